@@ -27,7 +27,7 @@ SCENE = SCENES / "external_gear.toml"
 POSITIONS = 8
 #: Elements on the half-width: decks from coarse to fine; the last one solves all positions.
 ELEMENTS = (2.0, 4.0, 6.0)
-#: Cells on the half-width: flankload as it stands by default and coarser.
+#: Cells on the half-width: defaults of flankload and coarser.
 STRIPS = (10.0, 5.0, 4.0)
 #: Wanted: how many times less CPU time, per position and for the job.
 WANTED = {"position": 10_000, "job": 200}

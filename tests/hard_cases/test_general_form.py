@@ -197,7 +197,7 @@ def test_levers_over_many_decades_are_solved(seed: int) -> None:
 
 def rollers_in_pockets(rng: np.random.Generator, *, second_motion: bool) -> Problem:
     """Rollers of a chain under pretension, pressed on planes of their pockets, on a wheel without
-    torque: the planes that carry have levers of rounding, and what is left of their moment stands
+    torque: the planes that carry have levers of rounding, and the rest of their moment remains
     on a plane with a lever."""
     n, p = int(rng.integers(2, 13)), int(rng.choice([3, 5, 9, 17]))
     angles = np.tile(np.linspace(-0.6, 0.6, p), n)

@@ -1,8 +1,8 @@
 """K that is singular among the pairs in contact, though they hold every motion.
 
-Rigid bodies on few springs are so: more pairs touch than springs yield, and only the motions make
-the equations regular. Each problem is made around a state of whole numbers, so that one exists and
-no rounding hides that K is singular.
+Rigid bodies on few springs are so: more pairs touch than there are springs, and only the motions
+make the equations regular. Each problem is made around a state of whole numbers, so that one exists
+and no rounding hides that K is singular.
 """
 
 from __future__ import annotations

@@ -223,7 +223,7 @@ def test_forces_hold_each_other() -> None:
     angles[[0, -1]] += np.array([0.125, -0.125]) * strip.pitch_rad  # half lands
     lands = state.land_N_per_mm[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
     whole = pushed + lands.sum(axis=0)
-    # a land's force stands near its middle, not in it
+    # the force of a land is near its middle, not in it
     np.testing.assert_allclose(whole, [0.0, 80.0], rtol=0.0, atol=0.01 * 80.0)
 
 

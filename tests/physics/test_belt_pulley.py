@@ -1,4 +1,4 @@
-"""A pulley that yields against a thick ring, whole meshes, statics and a rigid one."""
+"""An elastic pulley against a thick ring, whole meshes, statics and a rigid one."""
 
 from __future__ import annotations
 

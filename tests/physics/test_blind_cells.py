@@ -142,7 +142,7 @@ def moment_on_body_2(one: Job, found: Sweep, p: int) -> float:
 def test_exchanged_bodies_carry_the_same_where_they_stand_the_same(k: int) -> None:
     """Pairs on circles about O1 or about O2, in one configuration and under its moments.
 
-    Body 1 stands where it has turned to under the load; off the path of contact the moments are not
+    Body 1 is in its position under load; off the path of contact the moments are not
     in the ratio of the teeth.
     """
     scene = dict(scenes(SEED, WANTED)[k])

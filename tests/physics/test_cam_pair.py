@@ -19,7 +19,7 @@ from tests.support.solving import solve
 MODULUS = 206000.0 / (1 - 0.3**2)
 #: Peak pressure against Hertz's line contact, whose bodies are half-planes.
 HERTZ = 5e-3
-#: Force against statics where the bodies hardly yield.
+#: Force against statics where the bodies are almost rigid.
 STATICS = 1e-6
 #: Wind-up against plain fine elements, and against finer modes and elements.
 PLAIN, FINER = 2e-3, 3e-3
@@ -172,9 +172,9 @@ def recession_work(pair: BodyPair, z: int, table, cell: np.ndarray) -> float:
 def test_wind_up_is_that_of_plain_elements(
     z: int, element_mm: float, torque: float, angle: float
 ) -> None:
-    """One body yields, softly, so that elements can resolve the contact; no modes, no near field.
+    """One body is soft, so that elements can resolve the contact; no modes, no near field.
 
-    Along the normal of the body that yields phi b_i = eps_i b_i + rec_i at every cell that carries;
+    Along the normal of the elastic body phi b_i = eps_i b_i + rec_i at every cell that carries;
     with the forces as weights the recession becomes the work of the forces.
     """
     soft, rigid = {"young_modulus_MPa": 3000.0}, {"rigid": True}

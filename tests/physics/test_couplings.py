@@ -59,7 +59,7 @@ def plane(**changes: Any) -> fl.Result:
 
 
 def test_a_wide_coupling_is_that_of_plane_cells() -> None:
-    """Rotation of the resolved contact in plane strain, from above, the ends yield more."""
+    """Rotation of the resolved contact in plane strain, from above: the ends are more compliant."""
     rigid = {"body_2__rigid": True}
     ratios, wanted = [], float(plane(**rigid).rotation_rad[0])
     for times, degree in ((1.0, 6), (6.0, 10)):

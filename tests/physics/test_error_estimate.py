@@ -152,7 +152,7 @@ def test_every_source_is_named() -> None:
 
 
 def test_peak_of_a_pair_that_carries_alone_has_an_estimate() -> None:
-    """No share can change there, so that modes are told by the peak itself."""
+    """No share can change there, so that the peak itself gives the modes."""
     scene = {**PAIR, "positions": {"angles_deg": [-3.0, 1.0, 4.0]}}
     found = solve(fl.Scene.from_dict(scene))
     finer = Discretization(DEFAULT.flank_element_parts / 3, 8, Grid(20.0, 60.0))
@@ -170,7 +170,7 @@ def test_peak_of_a_pair_that_carries_alone_has_an_estimate() -> None:
 
 
 def test_forces_on_coast_flanks_have_an_estimate() -> None:
-    """Teeth without play, against finer elements, cells, modes: 0.20 % of the load, told 0.55."""
+    """Teeth without play, against finer discretizations: 0.20 % of the load (estimate 0.55)."""
     keys = {"pair": {**PAIR["pair"], "center_distance_mm": 91.4}, "load": {"torque_Nm": 60}}
     scene = {**PAIR, **keys, "positions": {"count": 4}, "effects": {"coast_flank": True}}
     finer = Discretization(DEFAULT.flank_element_parts / 2, 8, Grid(20.0, 60.0))
@@ -240,7 +240,7 @@ def test_half_as_many_cells_tell_an_error_of_second_order_exactly() -> None:
 
 
 def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
-    """They were told to have no error, since none was looked at."""
+    """Their estimate was zero, since no error was evaluated."""
     scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
     pair = build_bodies(scene)
     compliances = tuple(
@@ -271,7 +271,7 @@ def test_pressure_on_a_rounding_is_uncertain() -> None:
 
 
 def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:
-    """Metal that touches early by more than the teeth yield, on all teeth alike."""
+    """Metal that touches early by more than the teeth deflect, on all teeth alike."""
     early = {**PAIR["body_1"], "pitch_errors_um": [500.0] * 16}
     beyond = {"effects": {"beyond_limits": True}}  # this pair has no backlash
     (behind, plain) = (

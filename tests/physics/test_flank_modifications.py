@@ -267,7 +267,7 @@ def test_pair_relieved_by_more_than_it_yields_does_not_touch() -> None:
     """Both tips relieved by 300 um: where one pair has not yet come to its relief, it is alone.
 
     Where the path of contact is free of relief on both flanks, the deviation of any second pair is
-    read from the profile and exceeds what the bodies yield.
+    read from the profile and exceeds the deflection of the bodies.
     """
     one, two = relieved("12")
     torque = 50.0

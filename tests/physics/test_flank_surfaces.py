@@ -29,7 +29,7 @@ LOW, HIGH = 73.951, 84.8
 #: A key is a gap at the least gap of the flank without it, a grid the modified flank: half of this
 #: difference is the place of contact in the tip relief, which moves by the metal removed.
 FIRST_ORDER = 4e-3
-#: The elastic body is that without the grid: a tooth relieved by 20 um yields more by this part.
+#: The elastic body is that without the grid: a tooth relieved by 20 um is softer by this part.
 RELIEVED_TOOTH = 1e-3
 NO_RELIEF = {
     "body_1__tip_relief_um": None,

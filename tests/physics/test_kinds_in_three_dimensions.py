@@ -15,8 +15,8 @@ from tests.support.gear_scenes import example
 from tests.support.paths import SCENES
 from tests.support.solving import solve
 
-#: By so much a gear of this width yields more than its plane sections: Young's modulus of the
-#: plane pair is divided by it, so that gaps, which do not grow with it, stay what they are.
+#: Compliance of a gear of this width over that of its plane sections: Young's modulus of the plane
+#: pair is divided by it, so that gaps, which do not grow with it, do not change.
 SOFTER = 1.042
 #: One and two loaded flanks differ by 0.4 % in that factor.
 PLANE = 5e-3

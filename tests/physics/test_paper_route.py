@@ -33,7 +33,7 @@ def test_error_falls_with_the_spacing(example: ModuleType) -> None:
     found = [example.paper_route(spacing) for spacing in SPACINGS]
     errors = [part[0] / rotation - 1 for part in found]
     assert np.all(np.array(errors) < ROTATION), errors
-    # single nodes yield too much, in proportion to how far apart they stand
+    # single nodes are too compliant, in proportion to their distance
     assert 1.8 < errors[0] / errors[1] < 2.2
     np.testing.assert_allclose(found[1][1], share, rtol=0, atol=SHARE)
     assert all(2 <= passes <= 5 for _, _, passes in found)

@@ -132,8 +132,8 @@ def test_estimate_contains_what_the_other_pitches_are(
     one, true = (result.summary[f"{name}_um"] for result in (one_pitch, whole_period))
     error = abs(one - true) / one
     assert error > 0.02
-    told = one_pitch.estimate["by_source"]["period"][name]
-    assert error < told < 2 * error
+    estimated = one_pitch.estimate["by_source"]["period"][name]
+    assert error < estimated < 2 * error
     assert one_pitch.estimate[name] > error
     assert one_pitch.estimate["dominant_source"][name] == "period"
 
@@ -144,8 +144,8 @@ def test_mean_stiffness_of_one_pitch_is_in_doubt_by_the_others(
 ) -> None:
     name = f"stiffness_{kind}_mean_N_per_um"
     error = abs(whole_period.summary[name] / one_pitch.summary[name] - 1)
-    told = one_pitch.estimate["by_source"]["period"][f"stiffness_{kind}"]
-    assert error < told < 2.5 * error
+    estimated = one_pitch.estimate["by_source"]["period"][f"stiffness_{kind}"]
+    assert error < estimated < 2.5 * error
 
 
 def test_harmonics_of_one_pitch_are_in_doubt_by_the_others(
@@ -154,8 +154,8 @@ def test_harmonics_of_one_pitch_are_in_doubt_by_the_others(
     key = "transmission_error_mesh_harmonics_um"
     one, true = (np.array(result.summary[key][:3]) for result in (one_pitch, whole_period))
     error = np.abs(one - true) / np.maximum(one, 0.1 * one.max())
-    told = one_pitch.estimate["by_source"]["period"]["transmission_error_harmonics"]
-    assert error.max() < told < 4 * error.max()
+    estimated = one_pitch.estimate["by_source"]["period"]["transmission_error_harmonics"]
+    assert error.max() < estimated < 4 * error.max()
 
 
 def test_hunting_runs_until_the_compliance_repeats(whole_period: fl.Result, folder: Path) -> None:

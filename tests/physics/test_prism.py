@@ -103,9 +103,9 @@ def test_the_elements_of_the_section_miss_as_much_as_estimated(helix: float) -> 
     coarse = prism_compliance(_pinion(2.0), prism, n_modes=3, estimate=True)
     fine = prism_compliance(_pinion(0.7), prism, n_modes=3)
     assert coarse.fe_error is not None
-    told = np.diag(coarse.fe_error[0]).reshape(3, 2)
+    estimated = np.diag(coarse.fe_error[0]).reshape(3, 2)
     true = np.diag(fine.smooth[0] - coarse.smooth[0]).reshape(3, 2)
-    ratio = true / told
+    ratio = true / estimated
     assert ((ratio[:, 0] > 0.6) & (ratio[:, 0] < 2.4)).all()
     assert ((ratio[1:, 1] > 0.6) & (ratio[1:, 1] < 2.4)).all()
     assert 0.0 < ratio[0, 1] < 1.0

@@ -51,7 +51,7 @@ def spur(**changes: Any) -> fl.Result:
 
 
 def test_a_wide_spur_ring_is_in_plane_strain() -> None:
-    """Free ends yield more, the less the wider the pair is; plane stress yields most."""
+    """Free ends are more compliant, less so in wide pairs; plane stress is the upper limit."""
     lumped = {**PLAIN, **PLANE, **RIGID, "effects__contact": "lumped"}
     strain, stress = (solve(SPUR, **lumped, accuracy__plane=kind) for kind in ("strain", "stress"))
     ratios = []
@@ -153,7 +153,7 @@ def test_forces_on_planet_and_ring() -> None:
 
 
 def test_a_ring_on_springs() -> None:
-    """Radial springs of the ring yield along the line of action: c T/r_b² of rotation."""
+    """Radial springs of the ring deflect along the line of action: c T/r_b² of rotation."""
     softness = 2e-6
     springs = np.diag([softness, softness, 0.0, 0.0, 0.0, 0.0]).tolist()
     even, moved = spur(), spur(body_2__shaft={"compliance": springs})

@@ -28,7 +28,7 @@ from tests.support.tolerances import ROUND_OFF
 REFINED = {"pinion": 5e-3, "wheel": 5e-3, "ring": 2e-2}
 #: The same of a force against plain elements, stress by other means; wanted 1 to 2 %.
 PLAIN = 1e-2
-#: Five pressure modes against twelve, wherever a force stands.
+#: Five pressure modes against twelve, at any place of the force.
 MODES = 1e-2
 #: ISO 6336-3 is empirical, and cuts the tooth straight at 30 degrees.
 ISO = 0.25
@@ -301,7 +301,7 @@ def test_root_stress_of_both_gears_is_near_iso_6336(solved: fl.Result) -> None:
         found = solved.summary[f"root_stress_{z + 1}"]["tension"]
         assert found["stress_MPa"] == pytest.approx(expected, rel=ISO)
         assert found["side"] == "working"
-        # the critical place stands near the tangent at 30 degrees
+        # the critical place is near the tangent at 30 degrees
         assert 25.0 < found["slant_deg"] < 45.0
 
 

@@ -1,7 +1,7 @@
 """Coulomb friction: known forces, statics, work, symmetry, limits, and what cannot be held.
 
 Pinned numbers of the FZG type C pair at a coefficient of 0.1 come from another implementation of
-the same model (dense tables between nodes); its uncertainty stands beside them.
+the same model (dense tables between nodes); its uncertainty is given beside them.
 """
 
 from __future__ import annotations

@@ -3,8 +3,9 @@
 A rigid cylinder that slides on an elastic half-plane has the pressure p = A (x+a)^α (b-x)^(1-α),
 α = 1/2 - λ, tan(π λ) = μ (1 - 2ν)/(2 - 2ν): K. L. Johnson, Contact Mechanics, 7.1(b). With the
 logarithm's strength c and the jump's strength j that is tan(π λ) = 2 μ j/(π c); a width L follows
-from the load as L² = 2 c R F/(α (1 - α)), and the force stands 4 λ L/3 behind the place where an
-unloaded cylinder touches. Where both bodies yield alike, λ is 0 and the contact is that of Hertz.
+from the load as L² = 2 c R F/(α (1 - α)), and the force acts 4 λ L/3 behind the place where an
+unloaded cylinder touches. Where both bodies are equally elastic, λ is 0 and the contact is that of
+Hertz.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The rotation is continuous in the position, on corners and roundings too.
 
-A jump has no physical reason: flanks yield, so forces grow from nothing. It comes from cells, zones
-or normals that change at once. Steps between neighbouring positions are followed by halving the
-interval with the larger step until only a jump would be left.
+A jump has no physical reason: flanks are elastic, so forces grow from zero. It comes from cells,
+zones or normals that change at once. Steps between neighbouring positions are followed by halving
+the interval with the larger step until only a jump would be left.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ UNDERCUT = {
     "load": {"torque_Nm": 72.0},
     "accuracy": {"estimate": False, "tangents": False},
 }
-#: A tip that stands apart from the contact of the same flanks, but nearer than the rotation.
+#: A tip at a distance from the contact of the same flanks, but nearer than the rotation.
 TIP_BESIDE = {
     "body_1": {
         **{"kind": "gear", "teeth": 42, "module_mm": 5.4587318, "profile_shift": -0.056647},

@@ -138,7 +138,7 @@ def test_pressure_of_a_flat_punch_in_the_middle() -> None:
 @pytest.mark.parametrize("edge", [{}, ROUNDED], ids=["sharp", "rounded"])
 @pytest.mark.parametrize("offset", [1e-7, 1e-3, 0.01, 0.03])
 def test_loads_on_an_offset_travel_from_tooth_to_tooth(offset: float, edge: dict) -> None:
-    """A pitch on, tooth j stands where tooth j + 1 stood; any offset has an answer."""
+    """One pitch later, tooth j is where tooth j + 1 was; any offset has an answer."""
     found = solved(edge, edge, offset=offset, angles=[0.0, 5.0, 360.0 / TEETH])
     force = found.site_force_N
     atol = TRAVELLING * force.max()
@@ -207,7 +207,7 @@ def test_small_offset_is_none_in_the_limit() -> None:
 
 
 def test_offset_loads_the_teeth_on_one_side() -> None:
-    """The hub stands at positive x; flanks meet counter-clockwise, so teeth below it gain."""
+    """The hub is displaced to positive x; flanks meet counter-clockwise, so teeth below it gain."""
     force = solved(offset=0.02, angles=[0.0]).site_force_N[0]
     angle = 2 * np.pi * np.arange(TEETH) / TEETH
     # the flank of tooth j has its normal about 90 degrees ahead of the tooth

@@ -75,7 +75,7 @@ def test_secant_stiffness_counts_from_the_state_without_torque(name: str) -> Non
 
 
 def test_secant_and_tangent_of_a_press_fit_are_one_stiffness() -> None:
-    """Neither flanks nor teeth come or go, and conforming flanks yield in proportion."""
+    """Neither flanks nor teeth come or go, and conforming flanks deflect in proportion."""
     few = {"accuracy.estimate": False, "accuracy.strips_per_half_width": 5.0}
     found = solve(fl.read_scene(SCENES / "spline_press_fit.toml").replace(few))
     assert isinstance(found, fl.Result)

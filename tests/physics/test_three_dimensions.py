@@ -81,7 +81,7 @@ def test_pressure_and_end_load_of_nonlinear_finite_elements() -> None:
 
 
 def test_a_wide_spur_pair_is_in_plane_strain() -> None:
-    """Ends and rims yield more: the plane pair is stiffer, by less the wider the pair is."""
+    """Ends and rims are more compliant: the plane pair is stiffer, by less in wide pairs."""
     plane = solve(SPUR, accuracy__axial_degree=None, accuracy__load_degree_z=None,
                   accuracy__slices=None, effects__contact="lumped")  # fmt: skip
     ratios = []
@@ -358,7 +358,7 @@ def test_adaptive_positions() -> None:
 
 
 def test_pitch_errors_over_the_whole_period() -> None:
-    """A tooth that stands back by 20 um carries less, over its whole width."""
+    """A tooth that lags by 20 um carries less, over its whole width."""
     errors = [0.0] * 25
     errors[3] = -20.0
     found = solve(

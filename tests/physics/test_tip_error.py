@@ -28,7 +28,7 @@ ROTATION_LEFT, SHARE_LEFT = 5e-3, 4e-3
 CHAMFER_DEG, TURNED = [6.2, 7.0, 15.8], 0.02
 #: Positions at which a sharp corner works.
 CORNER_DEG = [5.0, 6.0]
-#: Positions at which a pair stands on the rounding of the wheel's tip, then of the pinion's.
+#: Positions at which a pair is on the rounding of the wheel's tip, then of the pinion's.
 ANGLES_DEG = [5.6, 5.9, 6.2, 6.6, 15.8, 16.6, 16.9]
 #: What forces at nodes 0.0125 mm apart find there, which know neither modes nor half-planes
 #: (near_field = "nodes", flank_element_mm = 0.0125, a minute; half as many nodes: 0.1 to 0.25 %).

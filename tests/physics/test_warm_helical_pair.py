@@ -82,7 +82,7 @@ def test_a_helix_of_one_warm_body_is_longer(warm: int) -> None:
 
 
 def test_a_warm_wheel_loads_one_end() -> None:
-    """Helices of two lengths: the load moves to the side on which the wheel stands forward."""
+    """Helices of two lengths: the load moves to the side on which the wheel is ahead."""
     even = solve()
     found = [
         solve(effects__temperature_rise_K=rises, effects__beyond_limits=True)
@@ -92,7 +92,7 @@ def test_a_warm_wheel_loads_one_end() -> None:
         (load[..., -1].sum(axis=1) - load[..., 0].sum(axis=1)).mean()
         for load in (result.slice_line_load_N_per_mm for result in (even, *found))
     ]
-    # a right-hand pinion that is longer stands back at larger z, its mate forward
+    # a right-hand pinion that is longer lags at larger z, its mate forward
     assert ends[1] < ends[0] - 20.0
     assert ends[2] > ends[0] + 20.0
 

@@ -70,7 +70,7 @@ def test_manners(name: str) -> None:
 
 
 def prototype(name: str) -> str:
-    """What stands in flankload.h for a procedure."""
+    """Declaration of a procedure in flankload.h."""
     arguments = [
         f"{'const ' if intent == 'in' else ''}{C_TYPES[kind]} *{argument}"
         for argument, kind, intent in INTERFACE[name]

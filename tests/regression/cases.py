@@ -18,7 +18,7 @@ class Case:
     inputs : dict
         What was solved, as data that a reader can use elsewhere.
     provenance : str
-        Where the problem comes from, and what else stands for its answer.
+        Source of the problem, and other evidence for its answer.
     solve : callable
         Quantities by name: numbers, lists of numbers, or a word.
     known : dict

@@ -20,7 +20,7 @@ DIGITS = 12
 
 @dataclass(frozen=True)
 class Movement:
-    """How far one quantity stands from its reference.
+    """Distance of one quantity from its reference.
 
     Attributes
     ----------

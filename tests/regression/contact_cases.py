@@ -25,7 +25,7 @@ SAMPLES = 12
 
 
 def quantities_of(solve: Callable[[], fl.ContactState]) -> dict[str, Any]:
-    """The state in numbers, or the error that stands in its place."""
+    """The state in numbers, or the error in its place."""
     try:
         state = solve()
     except errors.NegativeForce as error:

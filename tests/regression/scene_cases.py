@@ -22,7 +22,7 @@ from .quantities import MORE, SCENE, quantity_beside
 #: Positions of a period: enough to see every state of contact, and a second a scene at the most.
 POSITIONS = 6
 
-#: The tooth of pair 0 stands out, that of pair -1 back: both carry at these positions.
+#: The tooth of pair 0 is ahead, that of pair -1 behind: both carry at these positions.
 TWO_TEETH_OFF = [8.0, -5.0] + [0.0] * 14
 #: Errors of all teeth, without a regular pattern.
 TEETH_APART = [0.0, 3.0, -2.0, 4.0, -4.0, 1.0, 5.0, -3.0, 2.0, -1.0, 4.0, 0.0, -5.0, 3.0, 1.0, -2.0]
@@ -83,7 +83,7 @@ VARIANTS: dict[str, dict[str, dict[str, Any]]] = {
     },
 }
 
-#: Changes of other cases: which one, and what; a table that names its kind stands for itself.
+#: Changes of other cases: name of the case, tables; a table with a kind replaces the whole table.
 OTHERS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
     "internal_friction": (
         "scene_internal_gear",

@@ -12,7 +12,7 @@ from flankload.scene.form import types_of
 from flankload.scene.table import Table
 
 #: Keys that need others beside them, or whose values are lists, by the last part of their path.
-#: {} stands for the path of the table, {z} for the number of teeth.
+#: {} is the path of the table, {z} for the number of teeth.
 TOGETHER: dict[str, tuple[dict[str, Any], ...]] = {
     "tip_relief_um": ({"{}.tip_relief_um": 7.0}, {"{}.tip_relief_um": 7.0, "{}.START": 0.4}),
     "tip_relief_knee_um": (

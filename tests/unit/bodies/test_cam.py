@@ -76,7 +76,7 @@ def refused(*args: object, **keys: object) -> str:
 
 
 def without_load(profile: list, follower: dict | None = None, **keys: object) -> CamContacts:
-    """Where a rigid follower stands: no elements."""
+    """Position of a rigid follower: no elements."""
     return contacts_of(pair_of(profile, {**(follower or {}), **STIFF}, STIFF, **keys, **NO_LOAD))
 
 
@@ -314,7 +314,7 @@ def test_angle_of_a_roller_on_an_eccentric_disc(sense: str) -> None:
 def test_angle_of_a_flat_on_an_eccentric_disc() -> None:
     contacts = without_load(disc(1.0), FLAT_FOLLOWER, positions={"count": 25})
     centre = centre_of_disc(contacts)
-    # the disc's centre stands its radius above the flat's line
+    # the centre of the disc is one radius above the line of the flat
     lifted = np.arcsin((FLAT_OFFSET + DISC) / np.hypot(*centre.T))
     expected = np.arctan2(centre[:, 1], centre[:, 0]) - lifted
     np.testing.assert_allclose(contacts.turn_1, expected, rtol=0, atol=SPLINE)
@@ -442,7 +442,7 @@ def test_curve_of_a_cam_goes_on_over_the_turn() -> None:
 
 
 def test_a_dwell_is_a_position_like_any_other() -> None:
-    """The follower stands still, the force does not change."""
+    """The follower rests, the force does not change."""
     result = solved(lift_and_dwell(), STIFF, positions={"angles_deg": [200.0, 230.0, 260.0]})
     assert result.follower_angle_rad is not None
     assert np.ptp(result.follower_angle_rad) < 1e-6

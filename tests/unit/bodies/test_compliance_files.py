@@ -260,7 +260,7 @@ def test_rigid_body_is_not_written(tmp_path: Path, capsys: pytest.CaptureFixture
 
 
 def test_rigid_bodies_turn_without_torque() -> None:
-    """Nothing yields, so that only the torque was in the way of an answer."""
+    """Nothing is elastic, so that only the torque prevented an answer."""
     rigid = {"body_1": {**ONE, "rigid": True}, "body_2": {**TWO, "rigid": True}}
     found = solved(**rigid, load={"torque_Nm": 0})
     assert_no_elements(found)
@@ -351,7 +351,7 @@ def test_without_couplings_single_contact_stays_and_a_note_says_so(
 
 
 def test_one_body_from_nodes_meets_a_gear(nodal: tuple[dict, dict], tmp_path: Path) -> None:
-    """The gear turns to the pitch point, where the file's body stands; forces turn on the gear."""
+    """The gear turns to the pitch point, where the body of the file is; forces turn on the gear."""
     write_npz(tmp_path / "body_1.npz", nodal[0])
     found = solved(tmp_path, body_1=FROM_FILE_1)
     assert found.cost["fe_factorisations"] == 1
@@ -757,5 +757,5 @@ def test_sketched_tooth_is_as_wide_as_its_space(outward: int) -> None:
     angle = np.arctan2(*sketched_tooth(flank, teeth).T[::-1])
     assert np.ptp(angle) == pytest.approx(np.pi / teeth, rel=1e-12)
     assert (np.diff(angle) > -1e-12).all()
-    # the flank of a tooth that stands inwards faces clockwise
+    # the flank of a tooth that points inwards faces clockwise
     assert (angle.max() if outward > 0 else angle.min()) == pytest.approx(0.3, rel=1e-12)

@@ -35,7 +35,7 @@ def scene(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def solved(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
-    """The conductor replaced by one that hands over what stands in the list."""
+    """The conductor replaced by one that returns the items of the list."""
     answers: list[Any] = [made_up_result()]
 
     def solve(*_: object, **__: object) -> Any:

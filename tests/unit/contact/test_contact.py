@@ -202,7 +202,7 @@ def test_exact_twins_are_solved_and_said_to_be_not_unique() -> None:
 
 
 def test_degenerate_pair_has_neither_force_nor_gap() -> None:
-    """Pair 1 stands exactly where it touches without load: F1 = 2 closes its gap of 10 to zero."""
+    """Pair 1 just touches without load: F1 = 2 closes its gap of 10 to zero."""
     state = fl.solve_contact([[10, 5], [5, 10]], np.ones(2), [0, 10], 2.0)
     np.testing.assert_allclose(state.normal_forces, [2, 0], rtol=0, atol=ROUND_OFF)
     assert state.status == 2
@@ -272,7 +272,7 @@ def test_hundreds_of_pairs_meet_every_row() -> None:
         warm = rng.permutation(n)[:size]
         again = fl.solve_contact(matrix, np.ones(n), gaps, 1.0, warm_pairs=warm)
         np.testing.assert_allclose(again.normal_forces, forces, rtol=0, atol=SOLVER * forces.max())
-    # with friction no energy falls: that fewer pairs are open tells the loop that it gets nearer
+    # with friction no energy falls: the loop takes fewer open pairs as progress
     rubs = {"load_rows": (1.0 + 0.1 * place)[:, None], "method": "primal"}
     rubbed = fl.solve_contact_general(matrix, gaps, np.ones((n, 1)), 1.0, **rubs)
     assert rubbed.info.rung == "single"

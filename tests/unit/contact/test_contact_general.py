@@ -258,7 +258,7 @@ def held_by_springs(
 
 
 def test_springs_of_a_bearing_folded_and_as_pairs() -> None:
-    """A spring S stands for two pairs of compliance 2/S that press from both sides."""
+    """A spring S replaces two pairs of compliance 2/S that press from both sides."""
     compliance, levers = floating_spline()
     loads, stiffness = np.array([TORQUE, 1000.0, -400.0]), 3e5
     folded = held_by_springs(compliance, np.zeros(TEETH), loads, stiffness)
@@ -399,7 +399,7 @@ def test_preload_beside_a_motion_without_load(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["auto", "block", "load_path"])
 def test_a_pair_that_the_load_presses_and_the_motion_opens(method: str) -> None:
-    """F = 1 and 1 + 0.5 + motion = 0: the pair stands apart at the start, its gap counts."""
+    """F = 1 and 1 + 0.5 + motion = 0: the pair is open at the start, its gap counts."""
     state = fl.solve_contact_general([[1.0]], [0.5], [-1.0], 1.0, load_rows=[1.0], method=method)
     np.testing.assert_allclose(state.normal_forces, [1.0], rtol=ROUND_OFF, atol=0)
     np.testing.assert_allclose(state.rotation, -1.5, rtol=ROUND_OFF, atol=0)

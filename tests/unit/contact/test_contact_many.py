@@ -166,7 +166,7 @@ def test_the_threads_of_the_host_program_stay_as_they_were() -> None:
 
 
 def test_friction_and_free_bodies_mix_in_a_sequence() -> None:
-    """Symmetric and unsymmetric matrices, each told to the core for what it is."""
+    """Symmetric and unsymmetric matrices, each passed to the core with its structure."""
     rng = np.random.default_rng(8)
     problems = [random_problem(rng, unsymmetric=bool(k % 2))[:4] for k in range(20)]
     states = fl.solve_contact_sequence(

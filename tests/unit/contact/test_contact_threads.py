@@ -90,7 +90,7 @@ def test_other_threads_run_during_a_call_of_the_core() -> None:
     counter = threading.Thread(target=count)
     counter.start()
     try:
-        # Without a call of the core the counter stands still.
+        # Without a call of the core the counter does not change.
         before = counted
         sum(range(10000))
         assert counted == before

@@ -29,7 +29,7 @@ from tests.support.sweep_calls import TORQUES, assert_same, job, run
 
 @pytest.mark.parametrize(("kind", "count"), [("gears", 24), ("spline", 2)])
 def test_a_torque_of_a_list_is_solved_as_if_it_stood_alone(kind: str, count: int) -> None:
-    """Bitwise, whatever stands before it; conforming flanks look for even gap at each torque."""
+    """Bitwise, whatever precedes it; conforming flanks search their even gap at each torque."""
     together = run(TORQUES, kind=kind, count=count)
     backwards = run(TORQUES[::-1], kind=kind, count=count)[::-1]
     for torque, found, again in zip(TORQUES, together, backwards, strict=True):

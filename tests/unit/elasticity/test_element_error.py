@@ -22,7 +22,7 @@ WIDTH, HEIGHT = 2.0, 1.0
 #: Elements up the rectangle, and of the finer mesh, four times as many.
 ROWS = 6
 FINER = 4
-#: True loss of the meshes over what is told, below and above: of smooth pressures …
+#: True error of the meshes over the estimate, below and above: of smooth pressures …
 SMOOTH = (0.7, 1.2)
 #: … and of even ones on a single element, or half of one.
 NARROW = (0.8, 2.5)
@@ -69,7 +69,7 @@ def pressed(nodes: np.ndarray, pressures: list[Callable[[np.ndarray], np.ndarray
 def solved(
     kind: str, rows: int, pressures: list[Callable[[np.ndarray], np.ndarray]]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Compliance (p, p) of the pressures, and what is told to be missed of it."""
+    """Compliance (p, p) of the pressures, and the estimate of its error."""
     nodes, cells = rectangle(kind, rows)
     slides = [2 * np.flatnonzero(nodes[:, 0] == 0), 2 * np.flatnonzero(nodes[:, 1] == 0) + 1]
     free = np.setdiff1d(np.arange(2 * len(nodes)), np.concatenate(slides))
@@ -146,17 +146,17 @@ def test_missed_is_symmetric_positive_and_bilinear(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_of_smooth_pressures_it_is_what_a_finer_mesh_finds(kind: str) -> None:
     """Both pressures, and the one with the other: a matrix, not numbers."""
-    coarse, told = of_smooth(kind, ROWS)
+    coarse, estimated = of_smooth(kind, ROWS)
     fine, _ = of_smooth(kind, FINER * ROWS)
-    true = np.linalg.eigvals(np.linalg.solve(told, fine - coarse)).real
+    true = np.linalg.eigvals(np.linalg.solve(estimated, fine - coarse)).real
     assert SMOOTH[0] < true.min()
     assert true.max() < SMOOTH[1]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_falls_as_what_elements_miss_does(kind: str) -> None:
-    told = [np.trace(of_smooth(kind, rows)[1]) for rows in (ROWS, 2 * ROWS)]
-    assert np.log2(told[0] / told[1]) > LEAST_ORDER
+    estimated = [np.trace(of_smooth(kind, rows)[1]) for rows in (ROWS, 2 * ROWS)]
+    assert np.log2(estimated[0] / estimated[1]) > LEAST_ORDER
 
 
 @pytest.mark.parametrize("half", [0.5, 0.25], ids=["an element", "half of one"])
@@ -165,8 +165,8 @@ def test_of_narrow_pressures_it_is_within_its_band(kind: str, half: float) -> No
     """Even pressure about the middle of an element, and about a node."""
     size = HEIGHT / ROWS
     pressures = [even_within(middle * size, half * size) for middle in (3.5, 6.0)]
-    coarse, told = solved(kind, ROWS, pressures)
+    coarse, estimated = solved(kind, ROWS, pressures)
     fine, _ = solved(kind, FINER * ROWS, pressures)
-    true = np.diag(fine - coarse) / np.diag(told)
+    true = np.diag(fine - coarse) / np.diag(estimated)
     assert NARROW[0] < true.min()
     assert true.max() < NARROW[1]

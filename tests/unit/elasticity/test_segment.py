@@ -1,4 +1,4 @@
-"""How much of a body yields: a segment with held ends, a single tooth, teeth without coupling."""
+"""Elastic part of a body: a segment with held ends, a single tooth, teeth without coupling."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def test_segments_are_stiffer_by_as_much_as_was_measured(teeth: int) -> None:
     found = solved(("body", "segment"), ("segment_teeth", teeth))
     change = 100 * (found.rotation_rad.mean() / whole.rotation_rad.mean() - 1)
     assert change == pytest.approx(SEGMENTS[teeth], rel=SIZE_MODEL)
-    # the parts of the teeth hardly ask how much of the body yields
+    # the parts of the teeth hardly depend on how much of the body is elastic
     assert 100 * np.abs(found.load_share - whole.load_share).mean() < 0.06
     assert np.ptp(found.rotation_rad) == pytest.approx(np.ptp(whole.rotation_rad), rel=0.05)
 

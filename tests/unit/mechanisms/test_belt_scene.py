@@ -22,7 +22,7 @@ from tests.support.belt_scenes import EXAMPLE, POSITIONS, SMALL, tables
 from tests.support.tolerances import SOLVER
 
 PLASTIC = EXAMPLE.with_name("belt_plastic_pulley.toml")
-#: A pulley that yields.
+#: An elastic pulley.
 ELASTIC: dict[str, Any] = {"rigid": False, "bore_diameter_mm": 20}
 #: Results by the changes of their scenes.
 SOLVED: dict[str, fl.Result] = {}
@@ -255,13 +255,13 @@ def test_positions_tell_what_they_miss_of_the_saw(difference: float) -> None:
     for count in (4, 8):
         result = solved(body_2=belt, positions={"count": count}, accuracy={"estimate": True})
         assert result.estimate is not None
-        told = result.estimate["by_source"]["positions"]
+        estimated = result.estimate["by_source"]["positions"]
         missed = np.ptp(fine.transmission_error_um) / np.ptp(result.transmission_error_um) - 1
         assert missed > 0.1
-        assert missed < told["transmission_error_peak_to_peak"] < 10 * missed
+        assert missed < estimated["transmission_error_peak_to_peak"] < 10 * missed
         for quantity, values in PER_POSITION.items():
             missed = abs(values(fine).mean() / values(result).mean() - 1)
-            assert 0.8 * missed < told[quantity] < 10 * missed
+            assert 0.8 * missed < estimated[quantity] < 10 * missed
         assert result.estimate["dominant_source"]["transmission_error_peak_to_peak"] == "positions"
 
 
@@ -269,14 +269,14 @@ def test_places_of_a_straight_saw_miss_what_can_be_reckoned() -> None:
     """Even positions of y = 2 + x from -1/2 to 1/2: peak to peak 1, mean 2."""
     for count in (3, 4, 9):
         at = (np.arange(count) + 0.5 * (count % 2)) / count - 0.5
-        told = between_places(at, 2 + at, 1 / (2 + at))
+        estimated = between_places(at, 2 + at, 1 / (2 + at))
         span = 1 - 1 / count
         part = (1 - span) / span
-        assert told["transmission_error_peak_to_peak"] == pytest.approx(
+        assert estimated["transmission_error_peak_to_peak"] == pytest.approx(
             part * (1 + EXTRAPOLATION_ERROR), rel=SOLVER
         )
         missed = abs(at.mean()) / (2 + at.mean())
-        assert told["transmission_error_mean"] == pytest.approx(
+        assert estimated["transmission_error_mean"] == pytest.approx(
             (1 + EXTRAPOLATION_ERROR) * missed, abs=SOLVER
         )
 
@@ -313,16 +313,16 @@ def test_elements_tell_at_least_what_they_miss() -> None:
     result = solved(**keys, positions={"count": 2}, accuracy=plain)
     fine = solved(**keys, positions={"count": 2}, accuracy={"flank_element_mm": 0.156})
     assert result.estimate is not None
-    told = result.estimate["by_source"]["elements"]
+    estimated = result.estimate["by_source"]["elements"]
     turned = fine.rotation_rad - result.rotation_rad
     missed = np.abs(turned).max() / fine.rotation_rad.max()
-    assert missed < told["transmission_error"] < 4 * missed
+    assert missed < estimated["transmission_error"] < 4 * missed
     missed = abs(fine.rotation_rad.mean() / result.rotation_rad.mean() - 1)
-    assert missed < told["transmission_error_mean"] < 4 * missed
+    assert missed < estimated["transmission_error_mean"] < 4 * missed
     missed = np.abs(fine.load_share - result.load_share).max()
-    assert missed < told["load_share"] < 10 * missed
+    assert missed < estimated["load_share"] < 10 * missed
     missed = abs(np.ptp(fine.rotation_rad) / np.ptp(result.rotation_rad) - 1)
-    assert missed < told["transmission_error_peak_to_peak"]
+    assert missed < estimated["transmission_error_peak_to_peak"]
 
 
 def test_wider_groove_turns_the_pulley_further() -> None:

@@ -85,7 +85,7 @@ def test_press_fit_loads_every_tooth_alike_on_both_sides() -> None:
     every = np.concatenate([result.site_force_N[0], result.coast_force_N[0]])
     assert every.size == 24
     np.testing.assert_allclose(every, every[0], rtol=100 * SOLVER, atol=0.0)
-    # both sides press alike where body 1 stands in the middle
+    # both sides press alike where body 1 is in the middle
     assert result.transmission_error_um[0] == pytest.approx(1.5, rel=100 * SOLVER)
 
 
@@ -162,7 +162,7 @@ def test_curves_close_over_a_pitch() -> None:
 
 
 def test_without_torque_both_sides_are_mirror_images() -> None:
-    """Body 2 stands as in a mirror where the other flank of its space is at the pitch point."""
+    """Body 2 is its own mirror image where the other flank of its space is at the pitch point."""
     pair = build_bodies(scene_of(TIGHT, 0.0, **BOTH))
     mesh = pair.pairing.gear_geometry
     assert mesh is not None
@@ -173,8 +173,8 @@ def test_without_torque_both_sides_are_mirror_images() -> None:
     mirrored = [float(turn) - angle for angle in angles]
     result = solved(TIGHT, 0.0, **BOTH, positions={"angles_deg": angles + mirrored})
     assert result.coast_force_N is not None
-    # pairs are laid where body 1 stands without load: normals of one side are those of the other
-    # one but for the play between both, here 2e-4 rad
+    # pairs are found at the position of body 1 without load: normals of one side are those of the
+    # other one but for the play between both, here 2e-4 rad
     play = -mesh.backlash_mm / mesh.pitch_radius_1_mm
     assert play > 0.0
     for p in range(4):

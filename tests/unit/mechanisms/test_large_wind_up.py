@@ -1,4 +1,4 @@
-"""Bodies that yield too far for a theory of small deformations: the result says so."""
+"""Bodies that deform too far for a theory of small deformations: the result says so."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flankload.mechanisms.flank_pair.notes import SMALL_WIND_UP
 from tests.support.cam_scenes import cam_scene
 from tests.support.gear_scenes import changed
 
-#: Torque over tangent stiffness tells the wind-up from below: contacts get stiffer as the torque
+#: Torque over tangent stiffness is a lower bound of the wind-up: contacts get stiffer as the torque
 #: grows, and more pairs carry.
 STIFFENING = 0.25
 COARSE = {"flank_element_mm": 2.0, "estimate": False, "tangents": False}

@@ -153,7 +153,7 @@ def test_pressures_of_slices_are_not_divided_by_the_width() -> None:
 
 
 def test_backlash_that_is_taken_up_is_refused() -> None:
-    """A tooth that stands 40 um ahead turns body 1 back until coast flanks overlap."""
+    """A tooth that is 40 um ahead turns body 1 back until coast flanks overlap."""
     errors = {"body_1__pitch_errors_um": [40.0] + [0.0] * 15, "load__torque_Nm": 1}
     found = refused(gears(**errors))
     assert found.key == "body_1.pitch_errors_um"

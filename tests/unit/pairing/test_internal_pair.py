@@ -116,7 +116,7 @@ def test_both_bodies_turn_the_same_way() -> None:
 
 
 def test_pitch_errors_of_a_ring_turn_its_flanks_towards_the_mate() -> None:
-    """Metal that touches early stands at a smaller angle: the material lies beyond the flank."""
+    """Metal that touches early is at a smaller angle: the material lies beyond the flank."""
     errors = [float(k) / 10 for k in range(60)]
     pairing = pair(pitch_errors_um=errors).pairing
     base_radius = 90.0 * cos(radians(20))

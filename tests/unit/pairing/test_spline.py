@@ -159,7 +159,7 @@ def test_flanks_without_errors_lie_on_each_other() -> None:
     np.testing.assert_array_equal(*angles)
     np.testing.assert_allclose(np.diff(angles[0]), 2 * pi / 24, rtol=ROUND_OFF * 24)
     assert found.pairing.whole_circle
-    # tooth 0 stands on the line of centres
+    # tooth 0 is on the line of centres
     assert found.turn_1 == 0.0
 
 

@@ -38,6 +38,6 @@ def test_stress_is_drawn_as_one_tooth_sees_it() -> None:
     first = next(line for line in axes.lines if line.get_label() == label)
     x, y = (np.asarray(values) for values in first.get_data())
     np.testing.assert_array_equal(y[:4], stress.tension.stress_MPa[:, 0])
-    # a pitch later the pair stands where the next one stood
+    # one pitch later the pair is where the next one was
     assert x[4] - x[0] == pytest.approx(1.0)
     assert y[4] == stress.tension.stress_MPa[0, 1]

@@ -195,11 +195,11 @@ def test_pairs_move_up_over_a_period() -> None:
     later = np.array([[0, 1, 0], [1, 0, 0]], dtype=bool)
     changes = loaded_pair_changes(later, sites, pitches=1, periods=np.array([0, 1]))
     np.testing.assert_array_equal(changes, [False, True])
-    # all around: tooth 2 stands beside tooth 0
+    # all around: tooth 2 is beside tooth 0
     circle = np.array([[1, 0, 0], [0, 0, 1]], dtype=bool)
     changes = loaded_pair_changes(circle, np.arange(3), pitches=1, cyclic=True)
     np.testing.assert_array_equal(changes, [True, False])
-    # the one flank of a cam stands beside itself
+    # the one flank of a cam is its own neighbour
     cam = np.ones((3, 1), dtype=bool)
     changes = loaded_pair_changes(cam, np.array([0]), pitches=1, cyclic=True)
     np.testing.assert_array_equal(changes, False)

@@ -157,7 +157,7 @@ def test_ladder_that_turns_has_no_limit_but_its_finest_step() -> None:
 
 
 def test_slow_ladder_is_not_extrapolated() -> None:
-    """Of order 0.7 the limit is 1.6 times the last change away: further than that tells."""
+    """Of order 0.7 the limit is 1.6 times the last change away: a larger distance is detected."""
     found = limit_of((0.25, 0.5, 1.0), [np.array([h**0.7]) for h in (0.25, 0.5, 1.0)])
     assert found.slow
     assert found.order is None
@@ -720,7 +720,7 @@ def test_a_run_that_has_changed_in_its_file_is_refused(kept: Path, tmp_path: Pat
 
 
 def stop_at(number: int) -> Callable[[str, int, int], None]:
-    """Ctrl-C when so many different groups have been told of."""
+    """Ctrl-C when this number of groups has been reported."""
     told: list[str] = []
 
     def tell(group: str, done: int, total: int) -> None:

@@ -35,7 +35,7 @@ FACTOR, COARSE = 1.15, 2e-4
 COARSE_SHARE = 2e-3
 #: A size that was published for the external pair, to be met within a third.
 THIRD = 1 / 3
-#: Factor of what is told by a law.
+#: Factor of what a law predicts.
 WITHIN = 2.0
 #: Counters of finite elements, which are predicted exactly.
 EXACT = (

@@ -313,7 +313,7 @@ def belt(**accuracy: Any) -> dict[str, Any]:
 
 
 def test_elements_of_a_belt_follow_the_tolerance() -> None:
-    """At the default length its estimate tells less than 1.2 %, more than 0.8 %."""
+    """At the default length its estimate is between 0.8 % and 1.2 %."""
     plain, finer = said(solved(belt(tolerance=0.012))), said(solved(belt(tolerance=0.008)))
     assert plain["met"]
     assert set(plain["knobs"]) == {ELEMENTS, "positions"}
@@ -534,7 +534,7 @@ def test_more_modes_come_with_elements_that_bear_them_or_not_at_all() -> None:
 def reasons(
     tree: dict[str, Any], result: fl.Result, values: dict[str, float], foreseen: float | None
 ) -> str:
-    """Why a run is told to miss its tolerance by its elements."""
+    """Why elements are blamed for a missed tolerance."""
     scene = fl.Scene.from_dict({**tree, "accuracy": {"tolerance": 0.001}})
     parameters = parameters_of(scene)
     choice = Choice(
@@ -581,7 +581,7 @@ def test_a_miss_names_all_sources_that_exceed_the_tolerance(met: fl.Result) -> N
     )
 
 
-# --- how it is told -------------------------------------------------------------------------------
+# --- messages -------------------------------------------------------------------------------------
 def test_peak_to_peak_is_told_as_part_of_what() -> None:
     """A tolerance was met at 0.15 % below an estimate of 5 % of a small peak to peak."""
     tree = tomllib.loads((SCENES / "cam.toml").read_text(encoding="utf-8"))

@@ -120,7 +120,7 @@ def test_a_rounded_tip_has_two_modes_of_its_own(twist: float) -> None:
     parity = np.tile((-1.0) ** np.arange(3), 5)
     # tables of the directions on the tip
     _close(left.smooth, right.smooth * np.outer(parity, parity), 1e-9)
-    # well before the tip the flank yields as a sharp one does
+    # well before the tip the flank is as compliant as a sharp one
     sharp = _found(twist=twist)
     place = 0.5 * sum(BODY.mode_range_mm)
     own = [
