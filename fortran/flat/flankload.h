@@ -1,9 +1,10 @@
 /* Flat interface of flankload for C and C++.
  *
- * All arguments are passed by reference; matrices are stored column by column, as in Fortran;
- * pairs are numbered from 1. No call keeps data, prints or opens a file: any number of threads may
- * call at the same time. The arguments are described in fortran.md and flat/ of
- * share/doc/flankload (in the sources: docs/reference/ and fortran/flat/).
+ * All arguments are passed by reference; a null pointer for an array that has entries is refused
+ * by `info`. Matrices are stored column by column, as in Fortran; pairs are numbered from 1. No call
+ * keeps data, prints or opens a file: any number of threads may call at the same time. The arguments
+ * are described in fortran.md and flat/ of share/doc/flankload (in the sources: docs/reference/ and
+ * fortran/flat/).
  */
 #ifndef FLANKLOAD_H
 #define FLANKLOAD_H

@@ -11,6 +11,7 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
     use flankload_body_record, only: are_valid, body_length, counts_type, part_block, &
         & part_breaks, part_coefficients, part_corners, part_deviations, part_kernel, &
         & part_mode_range, part_site_angles, part_smooth, start_record, write_part
+    use flankload_given_arrays, only: given_integers, given_reals
     implicit none
     !> Flank curve: breaks of its arc length [mm], ascending; coefficients (power, x|y, interval);
     !> corners (1 at a sharp corner, else 0; 2 at both ends of a section of a longer curve, where
@@ -43,6 +44,14 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
     type(counts_type) :: n
     integer :: missing
 
+    info = -findloc([.true., .true., given_reals(breaks, size(breaks)), &
+        & given_reals(coefficients, size(coefficients)), given_integers(corners, size(corners)), &
+        & .true., given_reals(site_angles, size(site_angles)), &
+        & given_reals(deviations, size(deviations)), .true., .true., &
+        & given_reals(mode_range, size(mode_range)), .true., given_reals(smooth, size(smooth)), &
+        & given_integers(block, size(block)), .true., &
+        & given_reals(record, size(record))], .false., dim=1)
+    if (info < 0) return
     n = counts_type(breaks=n_breaks, powers=degree + 1, sites=n_sites, modes=n_modes, &
         & blocks=n_blocks)
     info = 0
@@ -143,6 +152,7 @@ end subroutine flankload_pack_body
 subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     use flankload_body_record, only: are_valid, counts_in, counts_type, fits, is_record, &
         & last_optional, place_in, write_part
+    use flankload_given_arrays, only: given_reals
     implicit none
     !> Number of the part
     integer, intent(in) :: part
@@ -159,6 +169,9 @@ subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     type(counts_type) :: n
     integer :: place(2), missing
 
+    info = -findloc([.true., .true., given_reals(values, size(values)), .true., &
+        & given_reals(record, size(record))], .false., dim=1)
+    if (info < 0) return
     info = 0
     if (part < 1 .or. part > last_optional) info = -1
     if (.not. is_record(record)) info = -5

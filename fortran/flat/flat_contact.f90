@@ -4,6 +4,7 @@
 !> (18).
 subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, compliance, &
         & symmetric, elastic, info)
+    use flankload_given_arrays, only: given_reals
     use flankload_row_scaling, only: scale_rows, form_of, matrix_form
     implicit none
     !> Number of pairs
@@ -20,11 +21,15 @@ subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, co
     integer, intent(out) :: symmetric
     !> 1 if symmetric and no single entry contradicts positive definiteness, else 0
     integer, intent(out) :: elastic
-    !> 0: done, -1: n < 0
+    !> 0: done, -i: argument i is invalid
     integer, intent(out) :: info
 
     type(matrix_form) :: form
 
+    info = -findloc([.true., given_reals(flexibility, size(flexibility)), .true., &
+        & given_reals(row_scale, size(row_scale)), &
+        & given_reals(compliance, size(compliance))], .false., dim=1)
+    if (info < 0) return
     symmetric = 0
     elastic = 0
     info = merge(-1, 0, n < 0)
@@ -38,6 +43,7 @@ end subroutine flankload_normal_compliance
 !> Check the form of a compliance matrix in one pass: the structure that flankload_solve_contact
 !> needs to know, and whether there is NaN or infinity in columns that it does not read.
 subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, finite, info)
+    use flankload_given_arrays, only: given_reals
     use flankload_row_scaling, only: form_of, matrix_form
     implicit none
     !> Number of pairs
@@ -52,11 +58,13 @@ subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, fi
     integer, intent(out) :: mirrored
     !> 1 if all entries are finite, else 0
     integer, intent(out) :: finite
-    !> 0: done, -1: n < 0
+    !> 0: done, -i: argument i is invalid
     integer, intent(out) :: info
 
     type(matrix_form) :: form
 
+    info = -findloc([.true., given_reals(compliance, size(compliance))], .false., dim=1)
+    if (info < 0) return
     symmetric = 0
     elastic = 0
     mirrored = 0
@@ -77,6 +85,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload_contact_loop, only: solve_contact_problem
     use flankload_contact_result, only: contact_result, blank, unpack_result
+    use flankload_given_arrays, only: given_integers, given_reals
     use flankload_status, only: refused_argument
     use flankload_error, only: error_type
     implicit none
@@ -129,6 +138,14 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     type(error_type), allocatable :: error
     integer :: n_threads
 
+    info = refused_argument([.true., .true., .true., given_reals(compliance, size(compliance)), &
+        & given_reals(normal_gaps, size(normal_gaps)), given_reals(motions, size(motions)), &
+        & given_reals(load_rows, size(load_rows)), given_reals(loads, size(loads)), .true., &
+        & .true., given_integers(warm_pairs, size(warm_pairs)), given_reals(forces, size(forces)), &
+        & given_reals(gaps, size(gaps)), given_reals(motion, size(motion)), &
+        & given_reals(tangent, size(tangent)), given_integers(active, size(active)), &
+        & given_integers(counters, size(counters)), given_reals(certificate, size(certificate))])
+    if (info < 0) return
     info = refused_argument([n >= 1, n_motions >= 1, n_warm >= 0, .true., .true., .true., &
         & .true., .true., structure >= 0 .and. structure <= 3, method >= 0 .and. method <= 7, &
         & all(warm_pairs >= 1 .and. warm_pairs <= n)])

@@ -18,6 +18,7 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
         & axis_1, axis_2, sizes_1, points_1, compliance_1, sizes_2, points_2, compliance_2, &
         & n_pairs, flank, radius, gap_angle, lever, torque_lever, torque_lever_2, compliance, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+    use flankload_given_arrays, only: given_integers, given_reals
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, find_nodal_pairs, &
         & new_nodal_body, nodal_influences
     implicit none
@@ -67,6 +68,17 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
     type(nodal_body) :: body_1, body_2
     type(nodal_pairs_type) :: pairs
 
+    info = -findloc([.true., .true., .true., .true., .true., .true., &
+        & given_reals(axis_1, size(axis_1)), given_reals(axis_2, size(axis_2)), &
+        & given_integers(sizes_1, size(sizes_1)), given_reals(points_1, size(points_1)), &
+        & given_reals(compliance_1, size(compliance_1)), given_integers(sizes_2, size(sizes_2)), &
+        & given_reals(points_2, size(points_2)), given_reals(compliance_2, size(compliance_2)), &
+        & .true., given_integers(flank, size(flank)), given_reals(radius, size(radius)), &
+        & given_reals(gap_angle, size(gap_angle)), given_reals(lever, size(lever)), &
+        & given_reals(torque_lever, size(torque_lever)), &
+        & given_reals(torque_lever_2, size(torque_lever_2)), &
+        & given_reals(compliance, size(compliance))], .false., dim=1)
+    if (info < 0) return
     n_pairs = 0
     flank = 0
     radius = 0.0d0

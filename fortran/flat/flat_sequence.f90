@@ -8,6 +8,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
     use flankload_contact_result, only: contact_result, unpack_result
     use flankload_contact_sequence, only: solve_contact_sequence
+    use flankload_given_arrays, only: given_integers, given_reals
     use flankload_status, only: refused_argument
     implicit none
     !> Number of problems
@@ -56,6 +57,16 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     integer :: p, l, first, last, n_threads_before
     double precision :: nan
 
+    info = refused_argument([.true., .true., .true., .true., .true., .true., &
+        & given_integers(sizes, size(sizes)), given_reals(compliances, size(compliances)), &
+        & given_reals(normal_gaps, size(normal_gaps)), given_reals(motions, size(motions)), &
+        & given_reals(load_rows, size(load_rows)), given_reals(loads, size(loads)), &
+        & given_integers(keys, size(keys)), given_integers(structures, size(structures)), .true., &
+        & given_reals(forces, size(forces)), given_reals(gaps, size(gaps)), &
+        & given_reals(motion, size(motion)), given_reals(tangent, size(tangent)), &
+        & given_integers(active, size(active)), given_integers(counters, size(counters)), &
+        & given_reals(certificate, size(certificate))])
+    if (any(info < 0)) return
     info = refused_argument([n_problems >= 1, n_pairs >= 1, n_entries >= 1, n_motions >= 1, &
         & n_loads >= 0, n_threads >= 0, &
         & all(sizes >= 1) .and. sum(sizes) == n_pairs .and. sum(sizes**2) == n_entries, &

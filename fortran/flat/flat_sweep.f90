@@ -16,6 +16,7 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
         & n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
         & pair_site, pair_table, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner, info)
+    use flankload_given_arrays, only: given_integers, given_reals
     use flankload_position_sweep, only: sweep_type
     use flankload_recorded_sweep, only: sweep_records, unpack_sweep
     implicit none
@@ -78,6 +79,17 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
 
     type(sweep_type) :: found
 
+    info = -findloc([.true., .true., .true., given_reals(motion, size(motion)), .true., &
+        & given_reals(torques, size(torques)), .true., given_reals(record_1, size(record_1)), &
+        & .true., given_reals(record_2, size(record_2)), given_reals(settings, size(settings)), &
+        & .true., .true., given_integers(control, size(control)), &
+        & given_integers(pair_site, size(pair_site)), given_reals(pair_table, size(pair_table)), &
+        & given_integers(status, size(status)), given_reals(rotation, size(rotation)), &
+        & given_reals(tangent, size(tangent)), given_reals(certificate, size(certificate)), &
+        & given_integers(counters, size(counters)), given_reals(site_force, size(site_force)), &
+        & given_reals(site_peak, size(site_peak)), &
+        & given_integers(site_corner, size(site_corner))], .false., dim=1)
+    if (info < 0) return
     call sweep_records(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
         & control, pair_site, pair_table, found, info)
     call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
@@ -93,6 +105,7 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
         & torques, n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
         & pair_site, pair_table, n_flags, in_contact, n_known, first_known, status, rotation, &
         & tangent, certificate, counters, site_force, site_peak, site_corner, info)
+    use flankload_given_arrays, only: given_integers, given_reals
     use flankload_known_contact, only: known_contacts
     use flankload_position_sweep, only: sweep_type
     use flankload_recorded_sweep, only: sweep_records, unpack_sweep
@@ -134,6 +147,19 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
     type(sweep_type) :: found
     type(known_contacts) :: known
 
+    info = -findloc([.true., .true., .true., given_reals(motion, size(motion)), .true., &
+        & given_reals(torques, size(torques)), .true., given_reals(record_1, size(record_1)), &
+        & .true., given_reals(record_2, size(record_2)), given_reals(settings, size(settings)), &
+        & .true., .true., given_integers(control, size(control)), &
+        & given_integers(pair_site, size(pair_site)), given_reals(pair_table, size(pair_table)), &
+        & .true., given_integers(in_contact, size(in_contact)), &
+        & given_integers(n_known, size(n_known)), given_integers(first_known, size(first_known)), &
+        & given_integers(status, size(status)), given_reals(rotation, size(rotation)), &
+        & given_reals(tangent, size(tangent)), given_reals(certificate, size(certificate)), &
+        & given_integers(counters, size(counters)), given_reals(site_force, size(site_force)), &
+        & given_reals(site_peak, size(site_peak)), &
+        & given_integers(site_corner, size(site_corner))], .false., dim=1)
+    if (info < 0) return
     known = known_contacts(in_contact /= 0, n_known, first_known)
     call sweep_records(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
         & control, pair_site, pair_table, found, info, known)

@@ -20,6 +20,7 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
         & n_pairs, flank, radius, gap_angle, force, final_gap, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
+    use flankload_given_arrays, only: given_integers, given_reals
     use flankload_status, only: invalid_input
     use flankload_nodal_pairs, only: nodal_body, most_nodal_pairs, new_nodal_body
     use flankload_nodal_sweep, only: nodal_sweep_type, sweep_nodal_positions
@@ -85,6 +86,20 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     type(nodal_body) :: body_1, body_2
     type(nodal_sweep_type) :: found
 
+    info = -findloc([.true., .true., .true., .true., .true., .true., .true., .true., .true., &
+        & given_reals(angles_1, size(angles_1)), given_reals(angles_2, size(angles_2)), &
+        & given_reals(torques, size(torques)), given_reals(axis_1, size(axis_1)), &
+        & given_reals(axis_2, size(axis_2)), given_integers(sizes_1, size(sizes_1)), &
+        & given_reals(points_1, size(points_1)), given_reals(compliance_1, size(compliance_1)), &
+        & given_integers(sizes_2, size(sizes_2)), given_reals(points_2, size(points_2)), &
+        & given_reals(compliance_2, size(compliance_2)), given_integers(status, size(status)), &
+        & given_reals(rotation, size(rotation)), given_reals(tangent, size(tangent)), &
+        & given_reals(torque_2, size(torque_2)), given_reals(certificate, size(certificate)), &
+        & given_reals(flank_force, size(flank_force)), given_integers(n_pairs, size(n_pairs)), &
+        & given_integers(flank, size(flank)), given_reals(radius, size(radius)), &
+        & given_reals(gap_angle, size(gap_angle)), given_reals(force, size(force)), &
+        & given_reals(final_gap, size(final_gap))], .false., dim=1)
+    if (info < 0) return
     nan = ieee_value(1.0d0, ieee_quiet_nan)
     status = invalid_input
     rotation = nan

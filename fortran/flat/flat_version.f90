@@ -20,6 +20,7 @@ end subroutine flankload_version
 !> Return twice a vector. Self test of the interface: the result is wrong if the reals of the caller
 !> have another size.
 subroutine flankload_double_vector(n, vector, doubled, info)
+    use flankload_given_arrays, only: given_reals
     implicit none
     !> Length of the vectors
     integer, intent(in) :: n
@@ -27,9 +28,12 @@ subroutine flankload_double_vector(n, vector, doubled, info)
     double precision, intent(in) :: vector(n)
     !> Twice these numbers, shape (n)
     double precision, intent(out) :: doubled(n)
-    !> 0: done
+    !> 0: done, -i: argument i is invalid
     integer, intent(out) :: info
 
+    info = -findloc([.true., given_reals(vector, size(vector)), &
+        & given_reals(doubled, size(doubled))], .false., dim=1)
+    if (info < 0) return
     doubled = 2.0d0*vector
     info = 0
 end subroutine flankload_double_vector
@@ -40,6 +44,7 @@ end subroutine flankload_double_vector
 !> as numbers. The upper half of a small positive number is 0, which equals its double; the upper
 !> half of a negative number does not.)
 subroutine flankload_integer_vector(n, vector, doubled, info)
+    use flankload_given_arrays, only: given_integers
     implicit none
     !> Length of the vectors
     integer, intent(in) :: n
@@ -47,9 +52,12 @@ subroutine flankload_integer_vector(n, vector, doubled, info)
     integer, intent(in) :: vector(n)
     !> Twice these numbers, shape (n)
     integer, intent(out) :: doubled(n)
-    !> 0: done
+    !> 0: done, -i: argument i is invalid
     integer, intent(out) :: info
 
+    info = -findloc([.true., given_integers(vector, size(vector)), &
+        & given_integers(doubled, size(doubled))], .false., dim=1)
+    if (info < 0) return
     doubled = 2*vector
     info = 0
 end subroutine flankload_integer_vector

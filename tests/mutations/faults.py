@@ -116,7 +116,7 @@ _FORTRAN = (
     *_in(
         "pair_influence.f90",
         "physics/test_cells_in_three_dimensions.py",
-        ("-body_1%compliance%twist*abs(lever)]", "body_1%compliance%twist*abs(lever)]"),
+        ("-zone%twist*abs(lever)]", "zone%twist*abs(lever)]"),
         ("wrenches_of(body_2, body_1", "wrenches_of(body_1, body_1"),
     ),
     *_in(
@@ -365,6 +365,16 @@ _FORTRAN = (
         ("pair%gap_angle - deviation/pairs%lever(i)", "pair%gap_angle + deviation/pairs%lever(i)"),
         ("pairs%torque_lever(first:last) = -pairs", "pairs%torque_lever(first:last) = pairs"),
         ("s_1 = grid%first + (k - 1)*grid%cell", "s_1 = grid%first + k*grid%cell"),
+    ),
+    *_in(
+        "contact_pairs.f90",
+        "physics/test_torque_of_slices.py",
+        ("lever_1*part_in_section(zone%twist, lever_1)", "lever_1*zone%cosine"),
+    ),
+    *_in(
+        "contact_zones.f90",
+        "physics/test_spline_pair.py",
+        ("if (even%last > 0) call drop_within", "if (.false.) call drop_within"),
     ),
     *_in(
         "pair_forces.f90",

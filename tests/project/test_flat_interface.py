@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib.util
 import re
 import subprocess
@@ -93,6 +94,50 @@ def test_the_header_names_nothing_else() -> None:
     header = (FORTRAN / "flat" / "flankload.h").read_text(encoding="utf-8")
     assert sorted(re.findall(r"void (flankload_\w+?)_?\(", header)) == FOR_C
     assert "void flankload_status_text_c(int code, int size, char *text);" in header
+
+
+ARRAY = re.compile(r"^    \S.*, intent\(\w+\) :: (\w+)\(", re.MULTILINE)
+
+
+def arrays() -> list[tuple[str, int]]:
+    """Procedure, and number (from 1) of an array among its arguments except for the last, info."""
+    found = []
+    for path in FLAT:
+        for name, _, body in PROCEDURE.findall(joined(path.read_text(encoding="utf-8"))):
+            of_procedure = {*ARRAY.findall(body)} - {"text"}
+            found += [
+                (name, k + 1)
+                for k, (argument, *_) in enumerate(INTERFACE[name][:-1])
+                if argument in of_procedure
+            ]
+    return found
+
+
+@pytest.mark.parametrize("entries", [0, 2])
+def test_null_pointers_are_refused_if_the_array_has_entries(entries: int) -> None:
+    """Regression: they ended the program. Arrays without entries may be null pointers."""
+    core = ctypes.CDLL(_core.__file__)
+    refused = {}
+    for name, missing in arrays():
+        sizes = np.full(1, entries, dtype=np.intc)
+        held: list[np.ndarray | None] = [sizes, *(np.zeros(512) for _ in INTERFACE[name][1:-1])]
+        for k, (argument, *_) in enumerate(INTERFACE[name][:-1]):
+            if argument.startswith(("n_", "max_", "room")):
+                held[k] = sizes
+        held[missing - 1] = None
+        info = np.full(64, 7, dtype=np.intc)
+        getattr(core, f"{name}_")(
+            *(ctypes.c_void_p(None if each is None else each.ctypes.data) for each in held),
+            ctypes.c_void_p(info.ctypes.data),
+        )
+        refused[name, missing] = int(info[0])
+    if entries:
+        assert len(refused) > 80
+        for (name, missing), info_of in refused.items():
+            assert info_of in (-missing, -100 - missing), name
+    else:
+        assert refused["flankload_double_vector", 2] == 0
+        assert refused["flankload_solve_contact", 4] == -101
 
 
 def test_the_include_file_names_every_procedure() -> None:
