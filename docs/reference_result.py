@@ -17,7 +17,7 @@ from flankload import result as result_package
 from flankload.cost import COUNTERS
 from flankload.result import friction, quantities, root_stress
 from flankload.result.drives import BeltDrive, ChainDrive
-from flankload.result.parts import OVER_COAST_SITES
+from flankload.result.optional_results import OVER_COAST_SITES
 
 
 class Quantity(NamedTuple):

@@ -19,7 +19,7 @@ from flankload.mechanisms.flank_pair.from_sweep import shaft_loads
 from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of, swept
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.slices import Slices
-from flankload.result.parts import ShaftLoads
+from flankload.result.optional_results import ShaftLoads
 from tests.support.gear_scenes import example
 from tests.support.solving import solve
 from tests.support.three_dimensional import HELICAL, SMALL, tree_of

@@ -12,7 +12,7 @@ import pytest
 
 import flankload as fl
 from flankload.elasticity.compliance import no_compliance
-from flankload.elasticity.compliance.parts import Expansion
+from flankload.elasticity.compliance.contributions import Expansion
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import expanded_pair
 from tests.support.solving import solve as solve_scene

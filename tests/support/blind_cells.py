@@ -20,7 +20,7 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.parts import made_once
+from flankload.mechanisms.reuse import made_once
 from flankload.scene.discretization import Grid
 from tests.support.cells_near_field import cells_near_field
 from tests.support.random_scenes import ANGLE, STEEL, inv

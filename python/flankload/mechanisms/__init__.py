@@ -4,9 +4,9 @@ Each kind of drive is one package here and one line of `REGISTRY`. `runner.run_o
 of any kind stage by stage; the packages do not import each other.
 """
 
-from flankload.mechanisms.parts import Parts
 from flankload.mechanisms.protocol import Description, Mechanism, MeshFile, States
 from flankload.mechanisms.registry import REGISTRY, mechanism_of
+from flankload.mechanisms.reuse import Parts
 from flankload.mechanisms.runner import Earlier, prepare, run_once
 from flankload.mechanisms.stage_clock import Kept, Progress
 

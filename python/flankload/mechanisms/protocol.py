@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from flankload.bodies import SectorMesh, WholeMesh
     from flankload.cost import Account
     from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
+    from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.result import Result
     from flankload.scene import Scene

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from flankload.cost import Account
-    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, States
+    from flankload.mechanisms.reuse import Parts
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization

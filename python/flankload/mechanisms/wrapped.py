@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.cost import Account
-    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Rows
+    from flankload.mechanisms.reuse import Parts
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
 

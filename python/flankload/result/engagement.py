@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from flankload.base.arrays import Flags, Floats
-    from flankload.result.parts import EffectResults
+    from flankload.result.optional_results import EffectResults
     from flankload.result.result import Result
 
 #: Columns of a position and their units.

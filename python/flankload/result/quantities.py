@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
-from flankload.result.parts import OVER_COAST_SITES
+from flankload.result.optional_results import OVER_COAST_SITES
 from flankload.result.root_stress import root_arrays, slice_root_arrays
 
 if TYPE_CHECKING:

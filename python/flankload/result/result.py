@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.result.forms import ResultForms
 from flankload.result.harmonics import over_positions
-from flankload.result.parts import EffectResults
+from flankload.result.optional_results import EffectResults
 from flankload.result.summary import key_figures, summary
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from flankload.scene.steps import ELEMENTS, STEPS
 from flankload.studies.parameters import parameters_of
 
 if TYPE_CHECKING:
-    from flankload.mechanisms.parts import Parts
+    from flankload.mechanisms.reuse import Parts
     from flankload.scene import Scene
     from flankload.scene.pair import Positions
 

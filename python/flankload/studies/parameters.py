@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
-    from flankload.mechanisms.parts import Parts
+    from flankload.mechanisms.reuse import Parts
     from flankload.scene import BodySpec, Scene
 
     Values = dict[str, float]

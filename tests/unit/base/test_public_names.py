@@ -16,7 +16,7 @@ from flankload.base.card import Card
 from flankload.result import TorqueSeries
 from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.friction import FrictionResult
-from flankload.result.parts import CoastContact, ShaftLoads
+from flankload.result.optional_results import CoastContact, ShaftLoads
 from flankload.result.root_stress import RootStress
 from flankload.result.slices import SliceLoads
 from tests.support.made_up_result import made_up_result

@@ -17,7 +17,7 @@ from flankload.bodies import Body
 from flankload.elasticity.job_log import JobCost
 from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.parts import MOST_PARTS, Parts, made_once
+from flankload.mechanisms.reuse import MOST_PARTS, Parts, made_once
 from tests.support.gear_scenes import SCENE, example
 from tests.support.mesh_files import COARSE_PINION, COARSE_WHEEL
 from tests.support.paths import SCENES

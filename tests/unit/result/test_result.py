@@ -13,7 +13,7 @@ import pytest
 
 from flankload.result import Result, results_to_csv, results_to_json, results_to_text
 from flankload.result.notes import warning_lines
-from flankload.result.parts import ShaftLoads
+from flankload.result.optional_results import ShaftLoads
 from flankload.result.slices import SliceLoads
 from tests.support.made_up_result import made_up_result
 from tests.support.pair_scenes import EXTERNAL, solved

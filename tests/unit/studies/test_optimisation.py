@@ -15,7 +15,7 @@ import flankload as fl
 from flankload.cli import main
 from flankload.studies.optimisation.evaluation import Evaluator
 from flankload.studies.optimisation.figures import DIRECTIONS, MAXIMA, figure_of
-from flankload.studies.optimisation.model import Goals, Maximum, Point
+from flankload.studies.optimisation.local_model import Goals, Maximum, Point
 from flankload.studies.optimisation.problem import (
     Constraint,
     Objective,

@@ -20,11 +20,11 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.plane_mesh import jacobians, scaled_jacobians
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.friction import friction_of
-from flankload.studies.verification import model
+from flankload.studies.verification import deck_model
 from flankload.studies.verification.calculix import read_answer, run_deck, version_of
 from flankload.studies.verification.contact_places import Place, contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part, deck_text
-from flankload.studies.verification.model import friction_of_deck, model_of
+from flankload.studies.verification.deck_model import friction_of_deck, model_of
 from flankload.studies.verification.triangles import (
     Triangles,
     quadratic,
@@ -65,7 +65,7 @@ def _tables(name: str) -> dict:
 @pytest.fixture(scope="module", autouse=True)
 def _coarse_bodies() -> Iterator[None]:
     """Coarse elements away from the contacts: the tests ask for no more."""
-    model = importlib.import_module("flankload.studies.verification.model")
+    model = importlib.import_module("flankload.studies.verification.deck_model")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(model, "COARSE_PART", 1.0)
         patch.setattr(model, "GROWTH", 1.0)
@@ -569,6 +569,6 @@ def test_a_deck_has_the_modified_flanks_in_any_case() -> None:
     relief = {"body_1.tip_relief_um": 30.0, "body_1.tip_relief_start_diameter_mm": 80.0}
     scene = fl.read_scene(SCENES / "external_gear.toml").replace(relief)
     other = scene.replace({"accuracy.unmodified_elements": True})
-    one, two = (model.coarse_bodies(each).body_1.mesh for each in (scene, other))
+    one, two = (deck_model.coarse_bodies(each).body_1.mesh for each in (scene, other))
     assert np.array_equal(one.nodes, two.nodes)
     assert not np.array_equal(two.nodes, build_bodies(other).body_1.mesh.nodes)

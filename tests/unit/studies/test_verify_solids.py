@@ -18,7 +18,7 @@ from flankload.pairing.body_pair import BodyPair
 from flankload.studies.verification import solid_model
 from flankload.studies.verification.calculix import read_answer
 from flankload.studies.verification.deck import Deck, deck_text
-from flankload.studies.verification.model import flanks_of
+from flankload.studies.verification.deck_model import flanks_of
 from flankload.studies.verification.solid import (
     Layers,
     Stand,

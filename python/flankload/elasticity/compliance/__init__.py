@@ -1,14 +1,14 @@
 """Compliance of the flanks of one body."""
 
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
-from flankload.elasticity.compliance.job import JobOptions, flank_compliance, flank_compliances
-from flankload.elasticity.compliance.parts import (
+from flankload.elasticity.compliance.contributions import (
     AxialModes,
     Expansion,
     FlankModes,
     NearField,
     RootResponse,
 )
+from flankload.elasticity.compliance.job import JobOptions, flank_compliance, flank_compliances
 
 __all__ = [
     "AxialModes",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.bodies.tip_modes import tip_modes, with_tip
-from flankload.elasticity.compliance.parts import (
+from flankload.elasticity.compliance.contributions import (
     AxialModes,
     CoastCompliance,
     Expansion,

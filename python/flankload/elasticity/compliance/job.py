@@ -15,15 +15,15 @@ import numpy as np
 from flankload.bodies.body import WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
-from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
-from flankload.elasticity.compliance.parts import (
+from flankload.elasticity.compliance.contributions import (
     CoastCompliance,
     Expansion,
     FlankModes,
     RootResponse,
 )
+from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
-from flankload.elasticity.compliance.turned import (
+from flankload.elasticity.compliance.tip_force import (
     has_turned_forces,
     turned_coefficients,
     turned_columns,

@@ -9,7 +9,7 @@ import numpy as np
 
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.tip_modes import Tip
-from flankload.elasticity.compliance.parts import NearField
+from flankload.elasticity.compliance.contributions import NearField
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,

@@ -32,8 +32,13 @@ from flankload.bodies.body import SectorMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
+from flankload.elasticity.compliance.contributions import (
+    AxialModes,
+    FlankModes,
+    NearField,
+    RootResponse,
+)
 from flankload.elasticity.compliance.job import JobOptions, flank_compliance
-from flankload.elasticity.compliance.parts import AxialModes, FlankModes, NearField, RootResponse
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of, mode_norms_z

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from flankload.mechanisms.belt.contact import BeltState
     from flankload.mechanisms.belt.drive import BeltAssembly
     from flankload.mechanisms.belt.pulley_compliance import PulleyResponse
-    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.protocol import Mechanism, States
+    from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
 

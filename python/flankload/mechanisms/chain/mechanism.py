@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
     from flankload.mechanisms.chain.contact import WrapState
     from flankload.mechanisms.chain.drive import ChainAssembly
-    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Mechanism, MeshFile, States
+    from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
 

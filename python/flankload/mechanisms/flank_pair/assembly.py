@@ -21,8 +21,8 @@ from flankload.elasticity.compliance import no_compliance
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.mistakes import explained
 from flankload.mechanisms.flank_pair.positions import positions_of
-from flankload.mechanisms.parts import made_once
 from flankload.mechanisms.registry import require_flanks
+from flankload.mechanisms.reuse import made_once
 from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.common_height import common_height
@@ -53,7 +53,7 @@ LEAST_DEVIATION_UM = 1e-3
 if TYPE_CHECKING:
     from flankload.bodies.axial_shape import AxialShape
     from flankload.cost import Account
-    from flankload.mechanisms.parts import Parts
+    from flankload.mechanisms.reuse import Parts
     from flankload.scene import BodySpec, Scene
 
 

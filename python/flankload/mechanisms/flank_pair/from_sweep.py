@@ -15,8 +15,8 @@ from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
+from flankload.result.optional_results import CoastContact, ShaftLoads
 from flankload.result.pairs import PairDrawing, PairTable, PairTables
-from flankload.result.parts import CoastContact, ShaftLoads
 from flankload.result.result import Result
 from flankload.result.root_stress import root_reading
 from flankload.result.slices import SliceLoads

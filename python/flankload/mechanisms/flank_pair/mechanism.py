@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.flank_pair.stages import Compliances
-    from flankload.mechanisms.parts import Parts
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, States
+    from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene

@@ -15,7 +15,7 @@ from flankload.analysis.tangent import SIDES
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
-from flankload.elasticity.compliance.turned import has_turned_forces
+from flankload.elasticity.compliance.tip_force import has_turned_forces
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
 from flankload.elasticity.sector_closure import sector_unknowns

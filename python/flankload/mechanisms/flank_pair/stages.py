@@ -22,7 +22,7 @@ from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.parts import Parts
+from flankload.mechanisms.reuse import Parts
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import expanded, expanded_slices
 from flankload.scene.axial import degrees_of

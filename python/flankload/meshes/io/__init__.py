@@ -5,7 +5,7 @@ several groups, unnamed groups; plane element types, sets on the keyword line, s
 formats are read with meshio.
 """
 
-from flankload.meshes.io.parts import PLANE_CELLS, RawMesh
+from flankload.meshes.io.file_mesh import PLANE_CELLS, RawMesh
 from flankload.meshes.io.reading import is_mesh_name, read_mesh
 from flankload.meshes.io.writing import WRITERS, vtu_of, write_mesh
 

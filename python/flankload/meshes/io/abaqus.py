@@ -14,7 +14,7 @@ import numpy as np
 
 from flankload.base.files import LARGEST_TABLE, read_file
 from flankload.base.number_text import number_of
-from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
+from flankload.meshes.io.file_mesh import PLANE_CELLS, BadFile, FileMesh
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence

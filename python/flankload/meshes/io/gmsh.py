@@ -14,7 +14,7 @@ import numpy as np
 
 from flankload.base.arrays import Numbers
 from flankload.base.files import LARGEST_TABLE, read_file
-from flankload.meshes.io.parts import BadFile, FileMesh, disjoint_groups
+from flankload.meshes.io.file_mesh import BadFile, FileMesh, disjoint_groups
 
 Number = TypeVar("Number", int, float)
 #: Types of numbers in a file.

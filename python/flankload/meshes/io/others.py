@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.files import LARGEST_TABLE
-from flankload.meshes.io.parts import PLANE_CELLS, BadFile, FileMesh
+from flankload.meshes.io.file_mesh import PLANE_CELLS, BadFile, FileMesh
 
 if TYPE_CHECKING:
     import meshio

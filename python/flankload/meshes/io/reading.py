@@ -9,9 +9,9 @@ import numpy as np
 
 from flankload.errors import MeshError, reason_of
 from flankload.meshes.io.abaqus import read_abaqus
+from flankload.meshes.io.file_mesh import LOWER_CELLS, PLANE_CELLS, BadFile, FileMesh, RawMesh
 from flankload.meshes.io.gmsh import read_gmsh
 from flankload.meshes.io.others import known_to_meshio, read_with_meshio
-from flankload.meshes.io.parts import LOWER_CELLS, PLANE_CELLS, BadFile, FileMesh, RawMesh
 
 #: Largest distance of nodes from the plane, over the size of the mesh.
 PLANE_TOLERANCE = 1e-9

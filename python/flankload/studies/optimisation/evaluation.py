@@ -10,7 +10,7 @@ import numpy as np
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
 from flankload.studies.optimisation.figures import Figure, figure_of
-from flankload.studies.optimisation.model import Goals, Maximum, Point
+from flankload.studies.optimisation.local_model import Goals, Maximum, Point
 from flankload.studies.optimisation.problem import (
     Constraint,
     Objective,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
-    from flankload.studies.optimisation.model import Point
+    from flankload.studies.optimisation.local_model import Point
 
 
 def optimise(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.studies.optimisation.model import Goals, Point, best_step
+from flankload.studies.optimisation.local_model import Goals, Point, best_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable

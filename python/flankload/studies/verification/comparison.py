@@ -21,7 +21,7 @@ from flankload.studies.plan import choose_effects
 from flankload.studies.tolerance import first_scene
 from flankload.studies.verification.calculix import JOB, Answer, find_program, run_deck
 from flankload.studies.verification.deck import Deck, deck_text
-from flankload.studies.verification.model import Model, check_bodies, model_of
+from flankload.studies.verification.deck_model import Model, check_bodies, model_of
 from flankload.studies.verification.report import json_of, text_of
 from flankload.studies.verification.solid_model import solid_model_of
 

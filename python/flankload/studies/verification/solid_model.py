@@ -10,7 +10,7 @@ from flankload.base.rotation import turned
 from flankload.elasticity.near_field import logarithm_strength
 from flankload.studies.verification.contact_places import Place, fine_sizes, meetings, reachable
 from flankload.studies.verification.deck import Deck, Part
-from flankload.studies.verification.model import (
+from flankload.studies.verification.deck_model import (
     START_PART,
     Model,
     coarse_bodies,
