@@ -11,6 +11,7 @@ module flankload_bordered_solution
     use flankload_regularized_loads, only: restore_motion, regularized_norm, regularized_flexibility
     use flankload_lapack, only: solve_lower, continue_lower
     use flankload_spanned_columns, only: spanned, factor_columns, solve_triangular
+    use flankload_assertions, only: debugging, assert
     implicit none
     private
 
@@ -56,6 +57,10 @@ contains
 
         type(solution_type) :: solution
 
+        if (debugging) then
+            call assert(size(system%pairs) == system%factor%order)
+            call assert(size(r) == size(system%pairs) .and. size(s) == problem%n_motions)
+        end if
         if (problem%symmetric) then
             call solve_halfway(system, problem, r, s, solution)
         else
@@ -75,6 +80,9 @@ contains
         end if
         call move_alloc(solution%forces, forces)
         call move_alloc(solution%motion, motion)
+        if (debugging) then
+            call assert(size(forces) == size(r) .and. size(motion) == size(s))
+        end if
         if (present(tangent)) call move_alloc(solution%inverse, tangent)
     end subroutine solve_bordered
 

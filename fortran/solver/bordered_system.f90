@@ -9,6 +9,7 @@ module flankload_bordered_system
         & factor_anew
     use flankload_regularized_loads, only: regularized_column
     use flankload_factor_extension, only: extend
+    use flankload_assertions, only: debugging, assert, is_selection
     implicit none
     private
 
@@ -76,6 +77,7 @@ contains
         k = size(before)
         b = size(pairs)
         system%pairs = [before, pairs]
+        if (debugging) call assert(is_selection(system%pairs, problem%n))
         if (system%pivoted) then
             call factor_pairs_anew(system, problem, compliance, accepted)
             if (accepted) return
@@ -144,6 +146,7 @@ contains
 
         accepted = .true.
         k = size(leaving)
+        if (debugging) call assert(k == size(system%pairs))
         first = findloc(leaving, .true., dim=1)
         if (first == 0) return
         system%n_forward = min(system%n_forward, first - 1)
@@ -189,6 +192,7 @@ contains
             call shrink(system%factor, index)
             call check_growth(system, problem, compliance, accepted)
         end if
+        if (debugging) call assert(size(system%pairs) == system%factor%order)
     end subroutine drop_pair
 
     !> Factor again with row exchanges if the growth factor is too large.

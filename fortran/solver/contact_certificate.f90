@@ -8,6 +8,7 @@ module flankload_contact_certificate
     use flankload_contact_problem, only: contact_problem, measure_from_zero, row_size, &
         & row_tolerance, is_finite
     use flankload_lapack, only: potrf
+    use flankload_assertions, only: debugging, assert
     implicit none
     private
 
@@ -52,6 +53,10 @@ contains
         logical, allocatable :: active(:)
         logical :: degenerate
 
+        if (debugging) then
+            call assert(size(forces) == problem%n .and. size(gaps) == problem%n)
+            call assert(size(motion) == problem%n_motions)
+        end if
         whole_motion = problem%start_motion + motion
         ! The gaps contain K F; rebuild the rows with the caller's gaps and motions from zero.
         displacement = gaps - problem%gaps
@@ -87,6 +92,10 @@ contains
                 & whole_motion))
         end if
         result%status = status_of(result, degenerate)
+        if (debugging) then
+            call assert(result%backward_error >= 0.0_wp .and. result%margin >= 0.0_wp)
+            call assert(result%unique .or. result%status > status_solved)
+        end if
     end subroutine certify
 
     !> Compute the backward error of all rows, and the margin of the open ones.

@@ -17,6 +17,7 @@ module flankload_contact_loop
         & method_primal
     use flankload_paper_loop, only: paper_loop
     use flankload_contact_report, only: report_state, is_in_range, same_loads
+    use flankload_assertions, only: debugging, assert, is_selection
     implicit none
     private
 
@@ -63,6 +64,12 @@ contains
 
         call solve_and_keep(compliance, normal_gaps, motions, load_rows, loads, structure, method, &
             & warm_pairs, problem, state, result, error)
+        if (debugging .and. .not. allocated(error)) then
+            call assert(all(result%forces >= 0.0_wp))
+            call assert(all(abs(result%gaps) <= huge(1.0_wp)))
+            call assert(all(abs(result%motion) <= huge(1.0_wp)))
+            call assert(is_selection(result%active_pairs, size(normal_gaps)))
+        end if
     end subroutine solve_contact_problem
 
     !> Solve the contact problem, and keep the data from which another load can start.

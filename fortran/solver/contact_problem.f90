@@ -10,6 +10,7 @@ module flankload_contact_problem
     use flankload_status, only: invalid_input, invalid_scale
     use flankload_error, only: error_type, fatal_error
     use flankload_lapack, only: add_product
+    use flankload_assertions, only: debugging, assert
     implicit none
     private
 
@@ -125,6 +126,10 @@ contains
         problem%gaps = problem%gaps/problem%load_scale
         problem%normal_gaps = problem%gaps
         allocate (problem%start_motion(problem%n_motions), source=0.0_wp)
+        if (debugging) then
+            call assert(all(problem%row_scale > 0.0_wp))
+            call assert(all(is_finite(problem%motions)) .and. all(is_finite(problem%load_rows)))
+        end if
     end subroutine new_contact_problem
 
     !> Check that shapes match, numbers are finite and the diagonal is positive.

@@ -3,6 +3,7 @@ module flankload_factor_extension
     use flankload_kinds, only: wp
     use flankload_updatable_factor, only: updatable_factor, reserve, dependent
     use flankload_lapack, only: border_cholesky, border_lu, permute_rows
+    use flankload_assertions, only: debugging, assert, is_factor, no_digits
     implicit none
     private
 
@@ -29,6 +30,10 @@ contains
 
         k = factor%order
         b = size(columns, 2)
+        if (debugging) then
+            call assert(size(columns, 1) == k + b)
+            call assert(factor%symmetric .or. all(shape(rows) == [b, k]))
+        end if
         call reserve(factor, k + b)
         if (factor%symmetric) then
             do i = 1, b
@@ -44,6 +49,10 @@ contains
             if (accepted) factor%order = k + b
         else
             call extend_lu(factor, columns, rows, accepted)
+        end if
+        if (debugging .and. accepted .and. factor%n_exchanged == 0 &
+            & .and. factor%growth < no_digits) then
+            call assert(is_factor(factor%matrix, k + b, factor%symmetric))
         end if
     end subroutine extend
 

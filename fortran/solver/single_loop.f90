@@ -16,6 +16,7 @@ module flankload_single_loop
     use flankload_equation_residual, only: restore_loads
     use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
     use flankload_final_refinement, only: first_leaving, most_penetrating, penetrates, refine_final
+    use flankload_assertions, only: debugging, assert
     implicit none
     private
 
@@ -92,6 +93,10 @@ contains
             if (entering > 0) call add_entering(problem, compliance, entering, state, error)
             if (allocated(error)) return
         end do
+        if (debugging) then
+            call assert(all(state%forces >= 0.0_wp))
+            call assert(count(state%forces > 0.0_wp) <= size(state%system%pairs))
+        end if
         if (any(state%waiting)) call check_waiting(problem, compliance, state, error)
     end subroutine single_loop
 

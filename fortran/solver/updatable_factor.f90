@@ -6,6 +6,8 @@
 module flankload_updatable_factor
     use flankload_kinds, only: wp
     use flankload_lapack, only: potrf, getrf, solve_cholesky, solve_lu, solve_triangle
+    use flankload_assertions, only: debugging, assert, is_factor, is_product, factor_product, &
+        & no_digits
     implicit none
     private
 
@@ -78,9 +80,15 @@ contains
         integer, intent(in) :: index
 
         integer :: k, j
-        real(wp), allocatable :: lost_column(:), lost_row(:)
+        real(wp), allocatable :: lost_column(:), lost_row(:), x(:), y(:)
 
         k = factor%order
+        if (debugging) then
+            call assert(index >= 1 .and. index <= k)
+            call assert(factor%n_exchanged == 0)
+            x = [(merge(0.0_wp, 1.0_wp/j, j == index), j=1, k)]
+            y = factor_product(factor%matrix, k, factor%symmetric, x)
+        end if
         lost_column = factor%matrix(index + 1:k, index)
         lost_row = factor%matrix(index, index + 1:k)
         do j = 1, index - 1
@@ -97,6 +105,11 @@ contains
             call add_rank_one_cholesky(factor%matrix, index, k - 1, lost_column)
         else
             call add_rank_one_lu(factor, index, lost_column, lost_row)
+        end if
+        if (debugging .and. factor%growth < no_digits) then
+            call assert(is_factor(factor%matrix, factor%order, factor%symmetric))
+            call assert(is_product(factor%matrix, factor%order, factor%symmetric, &
+                & [x(:index - 1), x(index + 1:)], [y(:index - 1), y(index + 1:)], factor%growth))
         end if
     end subroutine shrink
 
@@ -179,6 +192,7 @@ contains
 
         integer :: k, i, info
 
+        if (debugging) call assert(size(matrix, 1) == size(matrix, 2))
         factor%order = 0
         k = size(matrix, 1)
         call reserve(factor, k)
@@ -205,6 +219,7 @@ contains
                 if (accepted) accepted = abs(factor%matrix(i, i)) > dependent*factor%largest
             end do
         end if
+        if (debugging .and. accepted) call assert(is_factor(factor%matrix, k, factor%symmetric))
     end subroutine factor_anew
 
     !> Solve for several right-hand sides.
@@ -214,6 +229,7 @@ contains
         !> Right-hand sides, then solutions, shape (order, number of right-hand sides)
         real(wp), contiguous, intent(inout) :: x(:, :)
 
+        if (debugging) call assert(size(x, 1) == factor%order)
         if (factor%symmetric) then
             call solve_cholesky(factor%order, factor%matrix, x)
         else if (factor%n_exchanged > 0) then
