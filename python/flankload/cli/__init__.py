@@ -263,6 +263,11 @@ def _add_verify(commands: Any) -> None:
         "other elements and layers follow in proportion",
         type=float,
     )
+    add(
+        "--most-unknowns N",
+        "refuse a larger deck, with its size; default: 400000",
+        type=int,
+    )
     add("--time-limit S", "stop CalculiX after this many seconds")
     add("--program CCX", "name or path of CalculiX; default: ccx", default="ccx")
 

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
     from flankload.studies.benchmark import Answers, Case
 
-#: Range of elements on the half-width of a contact: fewer do not resolve the pressure, more take
-#: hours. Solids do not need the pressure.
-FEWEST, FEWEST_SOLID, MOST = 1.0, 0.2, 100.0
+#: Range of elements on the half-width of a contact of plane bodies: fewer do not resolve the
+#: pressure, more take hours.
+FEWEST, MOST = 1.0, 100.0
 
 
 def accuracy(arguments: Namespace) -> None:
@@ -74,25 +74,32 @@ def verify(arguments: Namespace) -> None:
     scene = scene_of(arguments)
     if arguments.dimension is not None:
         scene = scene.replace({"effects.dimension": arguments.dimension})
+    most = arguments.most_unknowns
+    if most is not None and most < 1:
+        refuse("--most-unknowns", "an integer > 0", most)
+    from flankload.studies.verification import FEWEST_SOLID, MOST_UNKNOWNS, files_of_deck
+
     fewest, elements = FEWEST_SOLID if is_spatial(scene).on else FEWEST, arguments.elements
     if elements is not None and not fewest <= elements <= MOST:
         refuse("--elements", f"a number from {fewest:g} to {MOST:g}", f"{elements:g}")
-    from flankload.studies.verification import files_of_deck
     from flankload.studies.verification import verify as compared
 
     if arguments.folder is not None:
         check_apart((Output("-o", path) for path in files_of_deck(arguments.folder)), scene)
 
-    found = compared(
-        scene,
-        position=arguments.position,
-        folder=arguments.folder,
-        run=not arguments.no_run,
-        time_limit_s=limit,
-        elements_per_half_width=elements,
-        large_displacement=arguments.large_displacement,
-        program=arguments.program,
-    )
+    with Progress(wanted=True, announced=True) as progress:
+        found = compared(
+            scene,
+            position=arguments.position,
+            folder=arguments.folder,
+            run=not arguments.no_run,
+            time_limit_s=limit,
+            elements_per_half_width=elements,
+            large_displacement=arguments.large_displacement,
+            program=arguments.program,
+            most_unknowns=MOST_UNKNOWNS if most is None else most,
+            progress=progress.tell,
+        )
     print(found.to_json() if arguments.json else found.table(), end="" if arguments.json else "\n")
 
 

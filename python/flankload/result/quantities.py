@@ -84,7 +84,7 @@ LEAST = {
         ),
         0.0,
     ),
-    "face_load_factor": 1.0,
+    **dict.fromkeys(("face_load_factor", "line_load_factor"), 1.0),
 }
 #: Values of a pair at a torque that never loads it; NaN in all other arrays.
 UNLOADED = {

@@ -431,6 +431,18 @@ def test_program_without_an_answer_says_why_and_its_files_stay(
     assert (tmp_path / "deck.log").exists()
 
 
+def test_iterations_of_the_other_program_are_counted(tmp_path: Path) -> None:
+    """Nothing was said until it had ended."""
+    rows = "".join(f"     1     1     1  {k:4}  177  0.0E+00  0.1E+03\n" for k in (1, 2, 3))
+    heads = "SUMMARY\n  STEP   INC  ATT   ITER     CONT.\n           (#)     (%)\n"
+    body = f"cat > {tmp_path}/deck.cvg <<'END'\n{heads}{rows}END\nsleep 0.5; echo Job finished"
+    program, counted = fake_program(tmp_path / "ccx", body), []
+    calls = {"time_limit_s": 30.0, "on_iteration": counted.append}
+    with pytest.raises(OtherProgramError, match="cannot be read"):
+        run_deck(program, tmp_path, small_deck(), **calls)
+    assert counted == [3]
+
+
 def test_interrupt_ends_the_other_program(tmp_path: Path) -> None:
     program = fake_program(
         tmp_path / "ccx", f"echo $$ > {tmp_path}/pid; sleep 0.5; kill -INT $PPID; exec sleep 60"

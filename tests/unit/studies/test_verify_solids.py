@@ -5,6 +5,7 @@ import math
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,11 @@ from flankload.cli import main
 from flankload.errors import OtherProgramError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.studies.verification import solid_model
+from flankload.studies.verification import comparison, solid_model
 from flankload.studies.verification.calculix import read_answer
-from flankload.studies.verification.deck import Deck, deck_text
+from flankload.studies.verification.deck import Deck, deck_text, probe_of
 from flankload.studies.verification.deck_model import flanks_of
+from flankload.studies.verification.size import ITERATIONS, PROBE, least_seconds, require_size
 from flankload.studies.verification.solid import (
     Layers,
     Stand,
@@ -34,6 +36,8 @@ from tests.support.tolerances import ROUND_OFF, SOLVER
 
 #: Elements of 0.6 mm at contacts 0.2 mm wide, in three layers.
 COARSE: dict[str, Any] = {"elements_per_half_width": 0.2}
+#: Size of a deck by a coarse run against the exact one.
+COARSE_SIZE = 0.02
 #: Nodes of flanks are on them, mm.
 ON_FLANK = 1e-9
 #: Rotation, and loads of pairs as parts of the torque's, on so coarse elements.
@@ -351,8 +355,6 @@ def test_output_without_rotation_is_one_line(tmp_path: Path) -> None:
 
 
 def test_table_compares_layers_with_the_slices_in_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    from flankload.studies.verification import comparison
-
     monkeypatch.setattr(
         comparison, "_run", lambda *_, **__: read_answer(CALCULIX_SOLIDS, small_deck())
     )
@@ -399,8 +401,6 @@ def test_internal_gears_are_refused() -> None:
 def test_dimension_is_that_of_both_programs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from flankload.studies.verification import comparison
-
     monkeypatch.setattr(comparison, "SOLID_ELEMENTS", 0.2)
     plane = tmp_path / "pair.toml"
     body = "kind = 'gear'\nteeth = 12\nmodule_mm = 4\nprofile_shift = 0.3\ntip_diameter_mm = 57.5\n"
@@ -420,6 +420,59 @@ def test_dimension_is_that_of_both_programs(
     assert "effects.dimension: expected 3 or nothing" in capsys.readouterr().err
     assert main(["verify", str(plane), "--dimension", "3", "--elements", "0.1"]) == 2
     assert "--elements: expected a number from 0.2 to 100" in capsys.readouterr().err
+
+
+# --- size and time --------------------------------------------------------------------------------
+def test_size_is_known_before_the_scene_is_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A helical pair of wide gears was meshed and given to CalculiX, which did not end."""
+    exact = deck_of(SKEWED, 2).unknowns
+    reached: list[tuple[str, int, int, float | None]] = []
+
+    def solve_nothing(*_: object) -> None:
+        raise AssertionError("the scene was solved")
+
+    monkeypatch.setattr(comparison, "_solved", solve_nothing)
+    options: dict[str, Any] = {"position": 2, **COARSE, "run": False}
+    with pytest.raises(SceneError, match=r"found 0\.2 elements with about [\d ]+ unknowns$"):
+        fl.verify(SKEWED, most_unknowns=exact // 2, **options)
+    with pytest.raises(AssertionError, match="solved"):
+        fl.verify(SKEWED, progress=lambda *one: reached.append(one), **options)
+    ((stage, done, _, left_s),) = reached
+    assert (done, left_s) == (0, None)
+    assert abs(int(re.sub(r"\D", "", stage)) / exact - 1.0) < COARSE_SIZE
+
+
+def test_a_deck_that_is_too_large_names_one_that_is_not() -> None:
+    def solid(elements: float) -> Any:
+        return SimpleNamespace(unknowns=round(1_234_567 * elements**2))
+
+    with pytest.raises(SceneError) as refused:
+        require_size(solid(1.0).unknowns, 400_000, 1.0, solid)
+    assert str(refused.value) == (
+        "elements: expected a deck of at most 400000 unknowns (0.5 elements have about 309 000; "
+        "most_unknowns or --most-unknowns allows more), found 1 elements with about 1 230 000 "
+        "unknowns"
+    )
+    require_size(400_000, 400_000, 1.0)
+
+
+def test_a_small_part_of_the_deck_measures_the_other_program(skewed: Deck, tmp_path: Path) -> None:
+    text, unknowns = probe_of(skewed, 50)
+    blocks = {block.split("\n")[0]: block.split("\n")[1:-1] for block in text.split("*")}
+    nodes, held = blocks["NODE"], blocks["NSET, NSET=HELD_1"]
+    wedges = [row.split(", ")[1:] for row in blocks["ELEMENT, TYPE=C3D15, ELSET=BODY_1"]]
+    assert [len(row) for row in wedges] == [15] * 50
+    assert {int(node) for row in wedges for node in row} == set(range(1, len(nodes) + 1))
+    assert unknowns == 3 * (len(nodes) - len(held)) > 0
+    program = tmp_path / "ccx"
+    program.write_text("#!/bin/sh\nsleep 0.1; echo Job finished\n", encoding="utf-8")
+    program.chmod(0o755)
+    least = ITERATIONS * 0.1 * skewed.unknowns / probe_of(skewed, PROBE)[1]
+    found = least_seconds(skewed, str(program))
+    assert found is not None
+    assert found > least
+    program.write_text("#!/bin/sh\nexit 1\n", encoding="utf-8")
+    assert least_seconds(skewed, str(program)) is None
 
 
 # --- the other program itself ---------------------------------------------------------------------

@@ -7,8 +7,8 @@ import re
 import shutil
 import subprocess
 from dataclasses import dataclass
-from math import isfinite
-from time import perf_counter
+from math import inf, isfinite
+from time import monotonic, perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from flankload.errors import OtherProgramError, reason_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from flankload.base.arrays import Floats
@@ -26,6 +27,8 @@ JOB = "deck"
 #: Input and output files of CalculiX, and the log.
 SUFFIXES = (".inp", ".dat", ".sta", ".frd", ".cvg", ".12d", ".log")
 PACKAGE = "calculix-ccx"
+#: Seconds between two looks at its progress.
+POLL_S = 0.2
 #: Headings of the forces of a contact pair.
 TOTAL = "moment about the origin (mx,my,mz)"
 NORMAL = "area,  normal force (+ = tension)"
@@ -101,8 +104,17 @@ def version_of(program: str) -> str:
     return found.group(1) if found else "unknown"
 
 
-def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | None) -> Answer:
+def run_deck(
+    program: str,
+    folder: Path,
+    deck: Deck,
+    *,
+    time_limit_s: float | None,
+    on_iteration: Callable[[int], None] | None = None,
+) -> Answer:
     """Run CalculiX on folder/deck.inp and read its solution; all its files stay in the folder.
+
+    `on_iteration` is called with the number of finished iterations whenever it has changed.
 
     Raises OtherProgramError if it does not converge, does not end in time or writes no solution.
     """
@@ -110,9 +122,25 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
         if old.suffix != ".inp":
             old.unlink(missing_ok=True)
     wall, cpu = perf_counter(), _children_cpu_s()
+    execute(program, folder, time_limit_s=time_limit_s, on_iteration=on_iteration)
+    wall, cpu = perf_counter() - wall, _children_cpu_s() - cpu
+    return read_answer(folder, deck, version=version_of(program), cpu_s=cpu, wall_s=wall)
+
+
+def execute(
+    program: str,
+    folder: Path,
+    *,
+    time_limit_s: float | None,
+    on_iteration: Callable[[int], None] | None = None,
+) -> None:
+    """Run CalculiX on folder/deck.inp to its end.
+
+    Raises OtherProgramError if it does not converge or does not end in time.
+    """
     log = folder / f"{JOB}.log"
     try:
-        code = _run(program, folder, log, time_limit_s)
+        code = _run(program, folder, log, time_limit_s, on_iteration)
     except subprocess.TimeoutExpired:
         raise OtherProgramError(
             f"CalculiX did not end within {time_limit_s:g} s and was stopped", folder=folder
@@ -120,11 +148,9 @@ def run_deck(program: str, folder: Path, deck: Deck, *, time_limit_s: float | No
     except OSError as error:
         why = f"CalculiX could not be started: {reason_of(error)}"
         raise OtherProgramError(why, folder=folder) from None
-    wall, cpu = perf_counter() - wall, _children_cpu_s() - cpu
     said = log.read_text(encoding="utf-8", errors="replace")
     if code != 0 or "Job finished" not in said:
         raise OtherProgramError(_why(code, said), folder=folder)
-    return read_answer(folder, deck, version=version_of(program), cpu_s=cpu, wall_s=wall)
 
 
 def read_answer(
@@ -154,17 +180,43 @@ def read_answer(
     return Answer(version=version, rotation_rad=rotation, **loads, **counted)
 
 
-def _run(program: str, folder: Path, log: Path, time_limit_s: float | None) -> int:
+def _run(
+    program: str,
+    folder: Path,
+    log: Path,
+    time_limit_s: float | None,
+    on_iteration: Callable[[int], None] | None,
+) -> int:
     """Exit code of CalculiX, which is stopped if this call ends by an exception."""
+    end = inf if time_limit_s is None else monotonic() + time_limit_s
+    done = 0
     environment = {"OMP_NUM_THREADS": "1", **os.environ}
     with log.open("w", encoding="utf-8") as out:
         streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": out, "stderr": out}
         process = subprocess.Popen([program, "-i", JOB], cwd=folder, env=environment, **streams)
         try:
-            return process.wait(time_limit_s)
+            while True:
+                try:
+                    return process.wait(min(POLL_S, max(0.0, end - monotonic())))
+                except subprocess.TimeoutExpired:
+                    if monotonic() >= end:
+                        raise
+                if on_iteration is not None and (now := _finished(folder)) > done:
+                    on_iteration(done := now)
         finally:
             process.kill()
             process.wait()
+
+
+def _finished(folder: Path) -> int:
+    """Number of finished iterations: lines of deck.cvg after its heads."""
+    try:
+        text = (folder / f"{JOB}.cvg").read_text(encoding="utf-8", errors="replace")
+    except FileNotFoundError:
+        return 0
+    # step, increment, attempt, iteration, contact elements, ...
+    rows = (line.split()[:5] for line in text.splitlines())
+    return sum(len(row) == 5 and all(word.isdigit() for word in row) for row in rows)
 
 
 def _children_cpu_s() -> float:

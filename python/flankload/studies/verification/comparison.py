@@ -16,6 +16,7 @@ from flankload.base.card import Card
 from flankload.base.files import write_atomically
 from flankload.mechanisms import run_once
 from flankload.scene import Scene, SceneLike, scene_of
+from flankload.scene.effects import is_spatial
 from flankload.scene.refusal import refuse
 from flankload.studies.plan import choose_effects
 from flankload.studies.tolerance import first_scene
@@ -23,14 +24,26 @@ from flankload.studies.verification.calculix import JOB, Answer, find_program, r
 from flankload.studies.verification.deck import Deck, deck_text
 from flankload.studies.verification.deck_model import Model, check_bodies, model_of
 from flankload.studies.verification.report import json_of, text_of
+from flankload.studies.verification.size import (
+    ITERATIONS,
+    MOST_UNKNOWNS,
+    coarse_result,
+    least_seconds,
+    require_size,
+    rounded,
+)
 from flankload.studies.verification.solid_model import solid_model_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.result import Result
     from flankload.result.slices import SliceLoads
+
+    Progress = Callable[[str, int, int, float | None], None]
 
 #: Elements on the half-width of a contact by default, in the plane and of solids.
 ELEMENTS, SOLID_ELEMENTS = 6.0, 1.0
@@ -154,6 +167,8 @@ def verify(
     elements_per_half_width: float | None = None,
     large_displacement: bool = False,
     program: str = "ccx",
+    most_unknowns: int = MOST_UNKNOWNS,
+    progress: Progress | None = None,
 ) -> Verification:
     """Solve one position of a scene by nonlinear finite elements as well.
 
@@ -181,6 +196,11 @@ def verify(
         Whether CalculiX includes the deformation of the geometry.
     program : str
         Name or path of CalculiX.
+    most_unknowns : int
+        A larger deck is refused before the scene is solved: its size follows from a coarse run.
+    progress : callable, optional
+        Called as progress(stage, done, total, left_s); the last one are the least seconds left of
+        all, or None. For solids these first follow from the time of a small part of the deck.
 
     Returns
     -------
@@ -189,21 +209,54 @@ def verify(
     Raises
     ------
     SceneError
-        If there is no such position, a body has no elements, or there is no torque.
+        If there is no such position, a body has no elements, there is no torque, or the deck is too
+        large; the message has its size and a number of elements that is not.
     OtherProgramError
         If CalculiX is missing or finds no solution; `folder` of the exception keeps its files.
     """
     require("position", position, "an integer", fits=isinstance(position, int | np.integer))
     require_path("folder", folder)
-    scene, result = _solved(scene_of(scene), position)
-    plane = result.slices is None
+    require("most_unknowns", most_unknowns, "an integer > 0", fits=most_unknowns > 0)
+    progress = progress or _silent
+    scene = _checked(scene_of(scene))
+    plane = not is_spatial(scene).on
     deck_of = partial(model_of if plane else solid_model_of, large_displacement=large_displacement)
     elements = elements_per_half_width or (ELEMENTS if plane else SOLID_ELEMENTS)
+    if not plane:
+        expected = partial(_expected, scene, coarse_result(scene), position, deck_of)
+        deck = expected(elements)
+        require_size(deck.unknowns, most_unknowns, elements, expected)
+        seconds = least_seconds(deck, program) if run and shutil.which(program) else None
+        stage = f"deck of about {rounded(deck.unknowns)} unknowns"
+        progress(stage, 0, 1, seconds)
+    result = _solved(scene, position, progress)
     model = deck_of(scene, result, position, elements_per_half_width=elements)
+    if plane:
+        require_size(model.deck.unknowns, most_unknowns, elements)
     path = _write(model.deck, folder)
+    watched = partial(_tell_iteration, progress)
     keep = folder is not None
-    answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep) if run else None
+    answer = None
+    if run:
+        answer = _run(path.parent, model.deck, program, time_limit_s, keep=keep, watched=watched)
     return _comparison(scene, result, position, model, path if path.exists() else None, answer)
+
+
+def _silent(*_: object) -> None:
+    """No progress."""
+
+
+def _tell_iteration(progress: Progress, done: int) -> None:
+    """Progress of CalculiX, whose number of iterations is not known."""
+    progress(f"CalculiX, iteration {done + 1}", done, max(ITERATIONS, done + 1), None)
+
+
+def _expected(
+    scene: Scene, result: Result, position: int, deck_of: Callable[..., Model], elements: float
+) -> Deck:
+    """The deck by a coarse result, which has fewer positions if there are many."""
+    near = min(position, result.position_rad.size - 1)
+    return deck_of(scene, result, near, elements_per_half_width=elements).deck
 
 
 def _write(deck: Deck, folder: str | Path | None) -> Path:
@@ -216,11 +269,19 @@ def _write(deck: Deck, folder: str | Path | None) -> Path:
 
 
 def _run(
-    folder: Path, deck: Deck, program: str, time_limit_s: float | None, *, keep: bool
+    folder: Path,
+    deck: Deck,
+    program: str,
+    time_limit_s: float | None,
+    *,
+    keep: bool,
+    watched: Callable[[int], None],
 ) -> Answer:
     """Solution of CalculiX; the folder is deleted unless it is kept or there is no solution."""
     try:
-        return run_deck(find_program(program, folder), folder, deck, time_limit_s=time_limit_s)
+        found, limit = find_program(program, folder), time_limit_s
+        watched(0)
+        return run_deck(found, folder, deck, time_limit_s=limit, on_iteration=watched)
     except Exception:
         keep = True
         raise
@@ -290,15 +351,21 @@ def _layers(slices: SliceLoads, position: int, model: Model, rows: list[int]) ->
     )
 
 
-def _solved(scene: Scene, position: int) -> tuple[Scene, Result]:
-    """The scene with its effects chosen, and Flankload's own result for the largest torque."""
+def _checked(scene: Scene) -> Scene:
+    """The scene with its effects chosen, of which a deck can be written."""
     scene, _ = choose_effects(first_scene(scene))
     check_bodies(scene)
     if not any(scene.torques_Nm):
         refuse("load.torque_Nm", "a torque > 0", "0", scene.file)
-    result = max(run_once(scene), key=lambda result: result.torque_Nm)
+    return scene
+
+
+def _solved(scene: Scene, position: int, progress: Progress) -> Result:
+    """Flankload's own result for the largest torque."""
+    results = run_once(scene, progress=lambda stage, done, of: progress(stage, done, of, None))
+    result = max(results, key=lambda result: result.torque_Nm)
     count = result.position_rad.size
     if not 0 <= position < count:
         expected = f"an index from 0 to {count - 1}, since there are {count} positions"
         refuse("position", expected, f"{position}", scene.file)
-    return scene, result
+    return result

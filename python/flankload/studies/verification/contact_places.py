@@ -7,6 +7,7 @@ on the same radius.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -156,15 +157,22 @@ def _gaps(
     mate[:, 0] += distance_mm
     radius, mate_radius = np.hypot(*points.T), np.hypot(*mate.T)
     angle, mate_angle = np.arctan2(*points.T[::-1]), np.unwrap(np.arctan2(*mate.T[::-1]))
-    begin, step = mate_radius[:-1], np.diff(mate_radius)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        part = (radius[:, None] - begin) / step
-        opposite = mate_angle[:-1] + part * np.diff(mate_angle)
-    gap = (opposite - angle[:, None] + np.pi) % (2 * np.pi) - np.pi
-    inside = (part >= 0) & (part <= 1) & (np.abs(gap) < 0.5 * pitch_rad)
-    gap = np.where(inside, gap, np.inf).min(axis=1)
+    gap = np.full(s.size, np.inf)
+    for piece in _monotonic(mate_radius):
+        along, of_piece = mate_radius[piece], mate_angle[piece]
+        order = slice(None) if along[-1] >= along[0] else slice(None, None, -1)
+        opposite = np.interp(radius, along[order], of_piece[order], left=np.nan, right=np.nan)
+        between = (opposite - angle + np.pi) % (2 * np.pi) - np.pi
+        gap = np.where(np.abs(between) < 0.5 * pitch_rad, np.minimum(gap, between), gap)
     found = np.isfinite(gap)
     return (gap[found], s[found], points[found]) if found.any() else None
+
+
+def _monotonic(values: Floats) -> list[slice]:
+    """Pieces between turning points, which belong to both of their pieces."""
+    rising = np.diff(values) > 0
+    ends = [0, *(np.flatnonzero(rising[1:] != rising[:-1]) + 1).tolist(), values.size - 1]
+    return [slice(low, high + 1) for low, high in pairwise(ends)]
 
 
 def _spread(points: Floats, middle: Floats, size: float) -> Floats:

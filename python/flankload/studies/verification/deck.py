@@ -32,6 +32,8 @@ ELEMENT = {"strain": "CPE6", "stress": "CPS6", None: "C3D15"}
 #: For solid bodies the defaults of CalculiX but for the third number: contacts have their whole
 #: stiffness from the first increment, so that CalculiX does not append a second one.
 STIFF = "0.001, 0.1, 1, 60"
+#: Part of the nodes of a probe that is held, from one end.
+PROBE_HELD = 0.1
 #: Interaction of all contact pairs of solid bodies, and their supports: body 1 turns about its axis
 #: alone, body 2 does not move.
 FLANKS, SOLID_SUPPORTS = "FLANKS", ("HELD_1, 3, 3", "HELD_2, 1, 3")
@@ -153,6 +155,25 @@ def pair_name(site: int) -> str:
 def deck_text(deck: Deck) -> str:
     """The input file."""
     return "\n".join(_lines(deck)) + "\n"
+
+
+def probe_of(deck: Deck, elements: int) -> tuple[str, int]:
+    """A linear deck of some neighbouring elements of body 2 of a solid deck, and its unknowns."""
+    part = deck.parts[1]
+    middles = part.nodes[part.cells[:, :6]].mean(axis=1)
+    near = np.linalg.norm(middles - middles[0], axis=1).argsort()[:elements]
+    used, cells = np.unique(part.cells[near], return_inverse=True)
+    nodes = part.nodes[used]
+    held = np.flatnonzero(nodes[:, 2] <= np.quantile(nodes[:, 2], PROBE_HELD))
+    small = Part(nodes, cells.reshape(-1, part.cells.shape[1]), held, (), part.material)
+    free = int(np.setdiff1d(np.arange(len(nodes)), held)[0])
+    lines = (
+        *("*HEADING", "part of a deck", *_body(small, 1, deck, 1, 1)),
+        *("*NSET, NSET=HELD_1", *(f"{node}," for node in (1 + held).tolist())),
+        *("*BOUNDARY", "HELD_1, 1, 3", "*STEP", "*STATIC", "*CLOAD", f"{1 + free}, 1, 1."),
+        "*END STEP",
+    )
+    return "\n".join(lines) + "\n", nodes.size - 3 * held.size
 
 
 def _lines(deck: Deck) -> Iterator[str]:
