@@ -38,7 +38,7 @@ module flankload_status
     type(status_type), parameter :: registry(*) = [ &
         & status_type(status_solved, 'solved'), &
         & status_type(status_ill_conditioned, &
-        & 'solved; ill-conditioned: the split between pairs is uncertain, sums are right'), &
+        & 'solved; ill-conditioned: only the sums of the forces of some pairs are accurate'), &
         & status_type(status_degenerate, &
         & 'solved; degenerate: a pair has neither force nor gap'), &
         & status_type(status_not_unique, &
@@ -53,9 +53,9 @@ module flankload_status
         & status_type(negative_force, &
         & 'the final state of the growing loop needs a tensile force'), &
         & status_type(out_of_range, &
-        & 'forces, gaps or motions beyond the range of the numbers in these units'), &
+        & 'forces, gaps or motions exceed the range of numbers in these units'), &
         & status_type(code_no_zone, &
-        & 'no circle about O1 cuts two facing flanks: no flank can touch here'), &
+        & 'no circle about O1 intersects two facing flanks: no contact is possible'), &
         & status_type(code_too_many_zones, &
         & 'more minima of the gap than can be stored: the profiles are too wavy'), &
         & status_type(code_unsettled_cells, &
@@ -65,9 +65,9 @@ module flankload_status
         & status_type(code_no_room, 'no space left for the pairs of this position'), &
         & status_type(code_stopped, 'stopped before it was solved'), &
         & status_type(code_conforms, &
-        & 'lumped contact has no place of least gap where flanks conform'), &
+        & 'lumped contact needs a point of least gap, but the flanks conform'), &
         & status_type(code_unsettled_widths, &
-        & 'the half-widths of the lumped contacts do not settle'), &
+        & 'the half-widths of the lumped contacts do not converge'), &
         & status_type(code_unsteady_points, &
         & 'points whose distance from O1 is not monotonic, or a normal through O1'), &
         & status_type(code_forces_move, &

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 #: All counters, each with the unit that it counts.
 COUNTERS = {
     "fe_factorisations": "factorisation of the stiffness of a body",
-    "fe_solutions": "solution with such a factor, whatever for",
+    "fe_solutions": "solution with such a factor, for any purpose",
     "fe_unknowns": "unknown of the elements of a body",
     "unit_loads_normal": "load case of pressure on a flank",
     "unit_loads_tangential": "load case along a flank",
     "unit_loads_nodal": "load case of those of a flank that is a force at a node",
-    "fe_load_cases_growth": "load case by which a body grows",
+    "fe_load_cases_growth": "load case of the expansion of a body",
     "coast_readings": "solution for a mode of displacement of a coast flank",
     "corner_readings": "solution for the displacement of a sharp tip along its flank",
     "cut_columns": "solution for an unknown of the cuts of a sector",
@@ -35,11 +35,11 @@ COUNTERS = {
     "slices": "slice of the face width of a position under a torque",
     "lumped_solutions": "contact problem with one unknown for each place of contact",
     "contact_passes": "contact problem with pairs",
-    "finite_solutions": "contact problem with influence numbers of the forces of another",
-    "influence_columns": "column of influence numbers of normal forces",
-    "influence_columns_tangential": "column of influence numbers of tangential forces",
+    "finite_solutions": "contact problem with influence coefficients for the forces of another one",
+    "influence_columns": "column of influence coefficients of normal forces",
+    "influence_columns_tangential": "column of influence coefficients of tangential forces",
     "pivots": "pair that joins or leaves the contact",
-    "refactorisations": "factorisation anew of the pairs in contact",
+    "refactorisations": "new factorisation of the pairs in contact",
 }
 
 

@@ -113,13 +113,13 @@ def whole_period(folder: Path) -> fl.Result:
 
 
 def said(result: fl.Result) -> list[str]:
-    return [text for text in result.warnings if "does not repeat with the tooth" in text]
+    return [text for text in result.warnings if "does not repeat from tooth to tooth" in text]
 
 
 def test_one_pitch_of_a_wheel_with_windows_is_not_sold_as_its_period(one_pitch: fl.Result) -> None:
     (text,) = said(one_pitch)
     assert "body_2 after 6 of 24 teeth" in text
-    assert "repeat after 6 pitches, these positions run over one" in text
+    assert "repeat after 6 pitches, these positions cover one" in text
     assert "positions.pitches = 'hunting'" in text
     assert "by period alone" in one_pitch.table()
 

@@ -119,7 +119,7 @@ LUMPED_IN_SLICES = {
 #: corners has no limit; on a rounding or a chamfer the error was up to 14 times the change that the
 #: estimate sees, as the modes of the tip converge slowly on what is much shorter than an element.
 ON_CORNERS = (
-    "contact on sharp corners, where the pressure has no limit (tip_radius_mm gives it one)"
+    "contact on sharp corners, where no finite pressure exists (tip_radius_mm makes it finite)"
 )
 ON_TIPS = "contact on a rounding or a chamfer, where the pressure converges slowly"
 #: Largest number of sweeps of an estimate.

@@ -215,7 +215,7 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
     if code == Status.NO_CONTACT_STATE:
         return _no_state(answer, float(answer.certificate[4]) * loads)
     if code == Status.PIVOT_LIMIT:
-        return PivotLimit(f"no state of contact reached after {int(answer.counters[0])} pivots")
+        return PivotLimit(f"no contact state found after {int(answer.counters[0])} pivots")
     if code == Status.SINGULAR_CONTACT:
         return _singular(problem, answer.motion)
     if code == Status.OUT_OF_RANGE:
@@ -232,13 +232,13 @@ def _singular(problem: ContactProblem, motion: Vector) -> SingularContact:
     largest = motion[np.abs(motion).argmax()]
     if not abs(largest) > 0.0:
         return SingularContact(
-            f"{problem.names[1]}: the rows of pairs in contact depend on each other",
+            f"{problem.names[1]}: the rows of pairs in contact are linearly dependent",
             motion=np.zeros(motion.size),
         )
     loose = motion / largest + 0.0
     name = "motions" if np.array_equal(problem.load_rows, problem.motions) else "load_rows"
     return SingularContact(
-        f"{name}: expected pairs that hold every motion, found none along "
+        f"{name}: expected pairs that restrain every motion, found none along "
         + ", ".join(f"{part:g}" for part in loose),
         motion=loose,
     )
@@ -248,7 +248,7 @@ def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
     """The exception with the information whether no state exists or none was found."""
     proven = bool(answer.counters[4])
     message = (
-        "no pairs can hold these loads"
+        "no contact state balances these loads"
         if proven
         else "no state was found; the matrix does not rule out that there is one"
     )

@@ -69,21 +69,21 @@ EXCEPTIONS: dict[int, type[ContactError]] = {
 
 #: Texts in terms of a scene that replace those of the core.
 SCENE_TEXTS: dict[int, str] = {
-    Status.NO_CONTACT_STATE: "no state of contact was found for this torque",
+    Status.NO_CONTACT_STATE: "no contact state was found for this torque",
     Status.SINGULAR_CONTACT: (
-        "no pair holds the rotation, or the pairs in contact depend on each other"
+        "no pair restrains the rotation, or the pairs in contact are linearly dependent"
     ),
     Status.INVALID_SCALE: "no pair could carry the torque",
-    Status.OUT_OF_RANGE: "forces, gaps or rotation beyond the range of a double",
+    Status.OUT_OF_RANGE: "forces, gaps or rotation exceed the range of double precision",
     Status.CONFORMS: (
-        'effects.contact = "lumped" sums a contact up in one place, but here flanks conform '
-        'and touch over a length (contact = "pairs" follows that)'
+        'effects.contact = "lumped" has one point per contact, but here the flanks conform and '
+        'touch over a length (contact = "pairs" resolves it)'
     ),
     Status.ONLY_ENDS: (
-        "only tips or fillets come near here, which effects.tip_contact = false leaves out"
+        "only tips or fillets can touch here, which effects.tip_contact = false excludes"
     ),
     Status.NOT_IN_SLICES: (
-        "cells in slices along the face width are without finite forces, slices without growth"
+        "slices along the face width do not support expansion, nor their cells finite forces"
     ),
 }
 #: Search for the largest torque that a jammed pair can hold: first torque over the requested one,

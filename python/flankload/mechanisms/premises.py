@@ -42,7 +42,7 @@ class Premise:
 
 #: For drives without a module; for a cam's follower the limit is in radians.
 ROTATION = Premise(
-    "rotation", 0.1, "body 1 to turn under load by at most 0.1 of a pitch, or of a radian"
+    "rotation", 0.1, "a rotation of body 1 under load of at most 0.1 of a pitch, or of a radian"
 )
 
 

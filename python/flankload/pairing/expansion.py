@@ -88,7 +88,7 @@ def body_load_notes(scene: Scene) -> tuple[str, ...]:
     asked = scene.effects
     left_out = [
         (asked.speed_rpm, "its speed does not stretch it"),
-        (asked.support_expansion_per_K, "it grows by its own expansion, whatever holds it"),
+        (asked.support_expansion_per_K, "it expands freely, whatever supports it"),
     ]
     return tuple(
         f"{key}: rigid, so {what}"

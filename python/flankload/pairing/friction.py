@@ -123,6 +123,6 @@ def friction_notes(friction: Friction | None, pairing: Pairing) -> Iterator[str]
     """Remarks on the friction of a pair for the user."""
     if friction is not None and pairing.center_distance_mm <= 0.0:
         yield (
-            "on common axes both bodies turn together and no flank slides: friction does nothing "
-            "(pair.center_offset_mm parts the axes)"
+            "on a common axis both bodies turn together and no flank slides: friction has no "
+            "effect (pair.center_offset_mm separates the axes)"
         )

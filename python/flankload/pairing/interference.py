@@ -89,7 +89,7 @@ def overlapping_flanks(
             )
         yield (
             f"the flanks overlap by up to {overlap.depth_mm:.4f} mm off the path of contact, "
-            f"{where}: the motion is not even, the root pushes the tip back"
+            f"{where}: the motion is not uniform, since the root displaces the tip"
         )
 
 

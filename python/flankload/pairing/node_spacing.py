@@ -129,9 +129,9 @@ def wide_nodes_notes(
         if parts > WIDE_SPACING:
             yield (
                 f"{name}: nodes up to {parts * contact.half_width_mm:.2g} mm apart, {parts:.2g} "
-                "Hertz half-widths with all of the torque on one flank: forces at nodes want "
-                f"{NODE_SPACING:g} of one, these leave percents of the rotation and most of the "
-                "pressure"
+                "Hertz half-widths with all of the torque on one flank: forces at nodes require "
+                f"{NODE_SPACING:g} of one; these leave errors of percents in the rotation, and "
+                "larger ones in the pressure"
             )
 
 

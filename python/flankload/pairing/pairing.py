@@ -195,7 +195,7 @@ def _pair_gears(
     if body_1.outward < 0:
         raise SceneError(
             key="body_1",
-            expected="a body whose teeth stand outwards: the one around it is body_2",
+            expected="a body with outward teeth: the body around it is body_2",
             found="flanks whose radius falls from root to tip",
         )
     sense = body_2.outward
@@ -322,7 +322,7 @@ def _with_flanks(sites: NDArray[np.int64], body_1: Body, body_2: Body) -> NDArra
     if not there.any():
         raise SceneError(
             key="positions",
-            expected="positions at which teeth stand in mesh that have a flank in the files",
+            expected="positions at which teeth with a flank in the files are in mesh",
             found="teeth without a flank at all of them",
         )
     return sites[there]

@@ -81,8 +81,8 @@ def spline_fit(
     if 2 * offset > fit.normal_backlash_mm and not coast_flanks:
         warnings.append(
             f"the normal backlash of {1000 * fit.normal_backlash_mm:.1f} um is less than twice "
-            f"the offset of {1000 * offset:.1f} um: before all teeth carry, coast flanks would "
-            "touch, too; only the working flanks are looked at"
+            f"the offset of {1000 * offset:.1f} um: coast flanks would touch before all "
+            "teeth carry load, which this run ignores (effects.coast_flank = true includes them)"
         )
     return fit
 
@@ -211,7 +211,6 @@ def tilt_notes(fit: SplineFit | None, slices: Slices) -> list[str]:
     said = (
         f"the normal backlash of {1000 * fit.normal_backlash_mm:.1f} um is less than twice the "
         f"{1000 * moved:.1f} um by which misalignment and offset move the ends of the flanks: "
-        "before all teeth carry, coast flanks would touch, too; only the working flanks are looked "
-        "at"
+        "coast flanks would touch before all teeth carry load, which this run ignores"
     )
     return [said]

@@ -72,8 +72,8 @@ def _without_estimate(results: Sequence[Result]) -> Iterator[str]:
         )
     if any(one.summary["peak_pressure_at_corner"] for one in results):
         yield (
-            "pressures on sharp corners grow with the resolution and are no results: they are left "
-            "out of the key figures and drawn dashed"
+            "no finite pressure exists at sharp corners: pressures there are left out of the key "
+            "figures and drawn dashed"
         )
 
 

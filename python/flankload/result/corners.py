@@ -51,11 +51,11 @@ def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
         for p, s in _places(found, z):
             what, cure = _corner(body, s)
             cure = cure.format(body=f"body_{z + 1}")
-            at.setdefault((f"body_{z + 1} works on {what}", cure), set()).add(p)
-    for (works, cure), positions in at.items():
+            at.setdefault((f"body_{z + 1} touches with {what}", cure), set()).add(p)
+    for (touches, cure), positions in at.items():
         yield (
-            f"at {len(positions)} of {found.status.size} positions {works}: the peak pressure "
-            f"there grows with the resolution and is no number to design by; {cure}"
+            f"at {len(positions)} of {found.status.size} positions {touches}, where no finite peak "
+            f"pressure exists; {cure}"
         )
 
 

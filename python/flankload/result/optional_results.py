@@ -36,7 +36,7 @@ class CoastContact(KeepsReadOnly, Card):
     force_N, peak_pressure_MPa : (P, S) arrays
         Force and largest pressure; 0 if open.
     corner_contact : (P, S) array of bool
-        Contact on a sharp corner, where the peak pressure is meaningless.
+        Contact on a sharp corner, where no finite peak pressure exists.
     pair_tables : sequence of PairTable, one per position
         Their forces turn body 1 against its torque.
     """

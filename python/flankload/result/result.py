@@ -70,7 +70,7 @@ class Result(EffectResults, ResultForms):
         0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not certain.
     pair_tables : sequence of PairTable, one per position
     corner_contact : (P, S) array of bool
-        Contact on a sharp corner, where the peak pressure is meaningless.
+        Contact on a sharp corner, where no finite peak pressure exists.
     estimate : dict or None
         Estimated relative errors.
     cost : dict

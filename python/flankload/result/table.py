@@ -33,10 +33,13 @@ OF_SEVERAL = ("transmission_error_mean", "transmission_error_peak_to_peak")
 #: Result of the contact solver's check at a position, other than "solved" (0).
 STATUS_WORDS = {
     Status.ILL_CONDITIONED: (
-        "solved; how neighbouring pairs share their force is uncertain, sums are right"
+        "solved; the sum of the forces of neighbouring pairs is accurate, their shares are not"
     ),
     Status.DEGENERATE: "solved; a pair has neither force nor gap",
-    Status.NOT_UNIQUE: "solved; that no other state exists is not proven",
+    Status.NOT_UNIQUE: (
+        "solved; the solution satisfies all contact conditions; that it is the only one could not "
+        "be proven (see Statuses)"
+    ),
 }
 #: Counters of the cost in the last line, with their words; the second part only if it is not 0.
 COUNTED = {"fe_factorisations": "FE factorisations", "unit_loads_normal": "unit loads"}
@@ -260,10 +263,7 @@ def _largest_pressure(summary: dict[str, Any]) -> str:
             f"{_place(summary, 'peak_pressure_off_corners_')}"
         )
     if summary["peak_pressure_at_corner"]:
-        parts.append(
-            f"up to {summary['peak_pressure_MPa']:.0f} MPa on a sharp corner ({MARK}), "
-            "which is meaningless"
-        )
+        parts.append(f"at sharp corners ({MARK}) no finite pressure exists")
     return "; ".join(parts)
 
 

@@ -314,7 +314,7 @@ def test_window_is_a_part_of_the_hunting_period(hunting: fl.Result) -> None:
     assert window.period_pitches == 36
     assert window.summary["transmission_error_harmonics_um"] is None
     (note,) = (line for line in window.warnings if "repeat after" in line)
-    assert "repeat after 36 pitches, these positions run over 3 pitches" in note
+    assert "repeat after 36 pitches; these positions cover 3 pitches" in note
 
 
 def test_pitches_without_errors_are_periods(hunting: fl.Result) -> None:

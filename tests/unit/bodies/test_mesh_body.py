@@ -276,7 +276,7 @@ def test_bodies_that_stand_wrong_are_refused_or_named(distance: float) -> None:
         scene, pair=type(scene.pair)(center_distance_mm=distance, face_width_mm=14)
     )
     if distance == 91.0:
-        (note,) = [w for w in solve(pair).warnings if "as the files stand" in w]
+        (note,) = [w for w in solve(pair).warnings if "at the angles of the files" in w]
         overlap = float(re.search(r"overlap by ([\d.]+) um", note)[1])
         # half a millimetre nearer: about 0.5 mm times the sine of the working pressure angle
         assert overlap == pytest.approx(500 * np.sin(np.radians(22.0)), rel=0.15)

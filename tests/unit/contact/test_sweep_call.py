@@ -118,7 +118,7 @@ def test_a_failure_names_position_and_torque() -> None:
     certificate[:2, 2, 1] = [0.25, 1.0]  # a quarter can be held, more cannot for certain
     with pytest.raises(
         fl.errors.NoContactState,
-        match=r"position 2 \(11.* torque 0\.5 N m: no st.* about 0\.125 N m can be held",
+        match=r"position 2 \(11.* torque 0\.5 N m: no contact st.* about 0\.125 N m can be held",
     ) as caught:
         raise_first_failure(
             status,
@@ -194,7 +194,7 @@ def test_every_status_of_a_position_has_an_exception_and_words() -> None:
                 np.array([[code]]), np.zeros(1), np.ones(1), np.zeros((3, 1, 1)), has_friction=False
             )
         assert (SCENE_TEXTS.get(code) or status_text(code)) in str(caught.value)
-    assert status_text(-18) == "the half-widths of the lumped contacts do not settle"
+    assert status_text(-18) == "the half-widths of the lumped contacts do not converge"
 
 
 def test_a_short_call_needs_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:

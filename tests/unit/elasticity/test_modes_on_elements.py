@@ -72,7 +72,7 @@ def test_a_result_says_how_many_elements_bear_the_modes() -> None:
     result = fl.solve(scene)
     one, two = elements_of(build_bodies(scene))
     assert modes_lines(result) == [
-        f"12 pressure modes on the {number} flank elements of body_{z}: 60 bear them, far fewer "
-        "make the result worse, first of all pressures at tip roundings"
+        f"12 pressure modes on the {number} flank elements of body_{z}: they need 60 "
+        "elements; fewer increase the error, mainly that of pressures at tip roundings"
         for z, number in ((1, one), (2, two))
     ]

@@ -37,8 +37,8 @@ def part_said(result: fl.Result) -> float | None:
     if not said:
         return None
     assert f"expected at most {SMALL_WIND_UP:g}: " in said[0]
-    assert "take less torque or stiffer bodies" in said[0]
-    found = re.match(r"the torque turns body 1 by ([\d.]+) of a (pitch|radian)", said[0])
+    assert "reduce the torque, or use stiffer bodies" in said[0]
+    found = re.match(r"the torque turns body 1 by at least ([\d.]+) of a (pitch|radian)", said[0])
     assert found is not None
     return float(found[1])
 

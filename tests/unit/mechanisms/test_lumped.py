@@ -127,7 +127,7 @@ def test_adaptive_positions() -> None:
 
 def test_a_rounding_is_named() -> None:
     found = solved(body_1__tip_radius_mm=0.5, body_2__tip_radius_mm=0.5, load__torque_Nm=900)
-    assert any("beside a lumped contact" in warning for warning in found.warnings)
+    assert any("pressures there are Hertz values" in warning for warning in found.warnings)
 
 
 def test_splines_conform() -> None:

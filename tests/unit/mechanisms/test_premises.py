@@ -68,7 +68,7 @@ def test_a_contact_ratio_below_1_is_refused_before_elements_are_solved() -> None
 def test_teeth_that_give_way_too_far_are_refused_and_the_torque_is_named() -> None:
     found = refused(gears(load__torque_Nm=[302, 10000]))
     assert found.key == "load.torque_Nm[1]"
-    assert found.expected.startswith("flanks that give way by at most 0.1 of a module")
+    assert found.expected.startswith("flank deflections of at most 0.1 of a module")
     assert found.found.endswith("under 10000 N m")
     assert refused(gears(load__torque_Nm=10000)).key == "load.torque_Nm"
 
@@ -234,7 +234,7 @@ def test_chains_and_belts_that_turn_too_far_are_refused(
     tables["accuracy"], tables["positions"] = {"estimate": False}, {"count": 1}
     tables[body] |= softer
     tables["load"]["torque_Nm"] *= 3
-    with pytest.raises(fl.PremiseError, match=r"body 1 to turn under load by at most 0\.1 of a"):
+    with pytest.raises(fl.PremiseError, match=r"a rotation of body 1 under load of at most 0\.1 of a"):
         solved(fl.Scene.from_dict(tables))
 
 
@@ -301,7 +301,7 @@ def test_every_command_refuses_with_exit_2_and_one_line(
 
 @pytest.mark.parametrize("solved", [fl.plan, fl.accuracy, fl.verify], ids=lambda f: f.__name__)
 def test_functions_refuse_what_a_load_breaks(solved: Any) -> None:
-    with pytest.raises(fl.PremiseError, match=r"load\.torque_Nm: expected flanks that give way"):
+    with pytest.raises(fl.PremiseError, match=r"load\.torque_Nm: expected flank deflections"):
         solved(gears(load__torque_Nm=10000))
 
 

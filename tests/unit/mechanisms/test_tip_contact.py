@@ -59,8 +59,8 @@ def test_where_it_matters_is_said(both: tuple[Result, Result]) -> None:
     assert matters > 0
     said = [warning for warning in without.warnings if "tip_contact" in warning]
     expected = (
-        f"at {matters} of 32 positions a tip or fillet that effects.tip_contact = false leaves "
-        "out would touch: there the rotation is too large"
+        f"a tip or fillet that effects.tip_contact = false excludes would touch at {matters} of "
+        "32 positions; the rotation there is too large"
     )
     assert said == [expected]
     assert not any("tip_contact" in warning for warning in with_tips.warnings)
@@ -107,7 +107,7 @@ def test_between_two_paths_nothing_is_left_to_touch() -> None:
     beyond = {"beyond_limits": True}
     with_tips = solved(short, 302.0, count=16, effects=beyond)
     assert with_tips.summary["contact_ratio_geometric"] < 1.0
-    with pytest.raises(NoContactState, match=r"which effects\.tip_contact = false leaves out"):
+    with pytest.raises(NoContactState, match=r"which effects\.tip_contact = false excludes"):
         solved(short, 302.0, count=16, effects={**WITHOUT["effects"], **beyond})
 
 

@@ -512,14 +512,14 @@ def test_growth_that_takes_up_the_backlash_is_warned_of() -> None:
     free, loaded = (solved(warm, torque=torque) for torque in (0.0, 302.0))
     overlap_um = -free.coast_flank_gap_um.min()
     assert overlap_um > 30
-    (said,) = (found for found in free.warnings if "takes up the backlash" in found)
-    assert f"overlap by {overlap_um:.1f} um" in said
+    (said,) = (found for found in free.warnings if "closes the backlash" in found)
+    assert f"overlap by at least {overlap_um:.1f} um" in said
     assert loaded.coast_flank_gap_um.min() > 0  # turned as loaded, shaped as without load
-    (said,) = (found for found in loaded.warnings if "takes up the backlash" in found)
-    least_um = float(said.partition("overlap by ")[2].split()[0])
+    (said,) = (found for found in loaded.warnings if "closes the backlash" in found)
+    least_um = float(said.partition("overlap by at least ")[2].split()[0])
     assert 0.8 * overlap_um < least_um < overlap_um
     for quiet in (solved(warm, ("coast_flank", True), torque=302.0), solved(torque=302.0)):
-        assert not any("takes up the backlash" in found for found in quiet.warnings)
+        assert not any("closes the backlash" in found for found in quiet.warnings)
 
 
 def test_a_swinging_follower_has_no_speed() -> None:

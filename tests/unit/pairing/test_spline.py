@@ -135,7 +135,7 @@ def test_common_axes_have_one_position() -> None:
     assert silent.position_rad.size == asked.position_rad.size == 1
     assert silent.notes == ()
     (note,) = asked.notes
-    assert note.startswith("on common axes all positions are alike: one is computed, not 8")
+    assert note.startswith("on a common axis all positions are equal: one is computed instead of 8")
     assert pair(positions={"angles_deg": [0, 5]}).position_rad.size == 2
     apart = pair(pair={"center_offset_mm": 0.01})
     assert apart.position_rad.size == 32

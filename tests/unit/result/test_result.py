@@ -286,7 +286,7 @@ def test_table_has_a_line_per_position_and_marks_corners() -> None:
     ]
     assert "sharp corner" in text
     assert "1000 MPa on pair 0 at 0.000 deg" in text
-    assert "up to 1700 MPa on a sharp corner (*), which is meaningless" in text
+    assert "at sharp corners (*) no finite pressure exists" in text
 
 
 def test_table_quotes_summary_estimate_cost_and_warnings() -> None:
@@ -296,7 +296,7 @@ def test_table_quotes_summary_estimate_cost_and_warnings() -> None:
     assert "transmission error 0.1 %" in text
     assert "2 FE factorisations, 10 unit loads" in text
     assert "backlash" in text
-    assert text.endswith("sums are right: positions 1")
+    assert text.endswith("their shares are not: positions 1")
 
 
 # --- warnings -------------------------------------------------------------------------------------

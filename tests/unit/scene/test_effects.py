@@ -36,9 +36,9 @@ SIZES = {
     "compliance": "other compliance",
     "gaps": "other gaps",
     "places": "other places of contact",
-    "levers": "other levers or influence numbers",
+    "levers": "other levers or influence coefficients",
     "spacing": "spacing of the nodes",
-    "cells": "influence numbers, in proportion to the cells",
+    "cells": "influence coefficients, in proportion to the cells",
     "nothing": "changes no state",
 }
 

@@ -675,7 +675,7 @@ def test_sharp_corner_is_named_with_its_pressure() -> None:
 
 def test_what_stands_in_files_is_named() -> None:
     (first, second) = file_notes(example("external_gear_mesh"))
-    assert first == "body_1: its elements come from a file, whose own error is not part of this"
+    assert first == "body_1: its elements come from a file, whose own error is not included"
     assert second.startswith("body_2: its elements")
     assert file_notes(small()) == ()
 

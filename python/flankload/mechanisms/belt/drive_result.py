@@ -140,8 +140,8 @@ def _warnings(scene: Scene, sites: Numbers, drive: BeltDrive) -> tuple[str, ...]
     where = "" if len(drive.lifting) == 1 else f" at {at.size} of {len(drive.lifting)} positions"
     note = (
         f"the land lifts here: {lands} (of {sites[0]} to {sites[-1]}) the pulley "
-        f"would have to pull{where}; effects.land_lift = true lets it go, more slack tension holds "
-        "it down"
+        f"would have to pull{where}; effects.land_lift = true lets it lift off, a higher slack "
+        "tension holds it down"
     )
     return (note,)
 

@@ -385,12 +385,13 @@ def with_flank_distance(scene: Scene, pair: BodyPair, account: Account) -> BodyP
         raise SceneError(
             file=scene.file,
             key="pair.center_distance_mm",
-            expected="bodies whose flanks nearly touch (to a quarter pitch) as their files stand",
+            expected="bodies whose flanks nearly touch (within a quarter pitch) at the angles of "
+            "their files",
             found=f"{scene.pair.axes_apart_mm:g} mm, where they {apart} {abs(gap_mm):.3f} mm",
         )
     note = (
-        f"as the files stand, the flanks {apart} {1000 * abs(gap_mm):.3g} um at the first "
-        "position; rotation and transmission error count from there"
+        f"at the angles of the files, the flanks {apart} {1000 * abs(gap_mm):.3g} um at the first "
+        "position; rotation and transmission error are measured from there"
     )
     return replace(pair, flank_distance_note=note)
 

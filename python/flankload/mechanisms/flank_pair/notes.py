@@ -55,16 +55,16 @@ def notes_of_sweep(
     shaped = np.count_nonzero((found.site_corner == NOT_PARABOLIC).any(axis=1))
     if shaped:
         yield (
-            f"at {shaped} of {found.status.size} positions a kink, a rounding or an end lies "
-            "beside a lumped contact: its peak pressure is that of a Hertz contact of its width "
-            "and may be half of the true one"
-            + (' (effects.contact = "pairs" follows it)' if pair.slices is None else "")
+            f"contact ends at a kink, a rounding or an edge of a flank at "
+            f"{_positions(shaped, found.status.size)}; pressures there are Hertz values and may be "
+            "up to twice as high"
+            + (' (effects.contact = "pairs" resolves them)' if pair.slices is None else "")
         )
     left_out = np.flatnonzero((found.site_corner == END_WOULD_TOUCH).any(axis=1))
     if left_out.size:
         yield (
-            f"at {left_out.size} of {found.status.size} positions a tip or fillet that "
-            "effects.tip_contact = false leaves out would touch: there the rotation is too large"
+            f"a tip or fillet that effects.tip_contact = false excludes would touch at "
+            f"{_positions(left_out.size, found.status.size)}; the rotation there is too large"
         )
     for z in (0, 1):
         yield from _notes_of_body(pair, compliances[z], found, z)
@@ -80,14 +80,14 @@ def _notes_of_body(
     if body.mesh is not None and wanted > ELEMENT_RESERVE * body.mesh.flank_elements:
         yield (
             f"{modes} pressure modes on the {body.mesh.flank_elements} flank elements of "
-            f"body_{z + 1}: {wanted} bear them, far fewer make the result "
-            "worse, first of all pressures at tip roundings"
+            f"body_{z + 1}: they need {wanted} elements; fewer increase the error, mainly that of "
+            "pressures at tip roundings"
         )
     alone = _beside_absent_teeth(pair, found) if body.named_teeth else []
     if alone:
         yield (
-            f"pairs {', '.join(map(str, alone))} carry beside teeth of body_{z + 1} that have "
-            "no flank in its file and may carry, too: name their flanks"
+            f"teeth of body_{z + 1} next to the loaded pairs {', '.join(map(str, alone))} may "
+            "carry load, but have no flank in its file: name their flanks"
         )
     low = body.mode_range_mm[0]
     places = found.pairs.column(f"s_{z + 1}")
@@ -95,10 +95,17 @@ def _notes_of_body(
     if below.any():
         deepest = low - float(places[below].min())
         yield (
-            f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}: the "
-            "smooth compliance of its lower end is taken there"
-            + (", the stress in its root too" if compliance.root is not None else "")
+            f"contact reaches {deepest:.3f} mm below the active flank of body_{z + 1}; the "
+            "compliance of the lower end of the flank is used there"
+            + (", and its root stress" if compliance.root is not None else "")
         )
+
+
+def _positions(count: int, total: int) -> str:
+    """How many of the positions, in words."""
+    if count == total:
+        return "all positions" if total > 1 else "the position"
+    return f"{count} of {total} positions"
 
 
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
@@ -141,10 +148,10 @@ def _large_wind_up(result: Result) -> Iterator[str]:
     if part > SMALL_WIND_UP:
         of = "a pitch" if unit < 1.0 else "a radian"
         yield (
-            f"the torque turns body 1 by {part:.2g} of {of} or more, expected at most "
-            f"{SMALL_WIND_UP:g}: deformations are taken to be small and teeth to stand where they "
-            "do without load (take less torque or stiffer bodies; flankload verify "
-            "--large-displacement follows the deformed bodies)"
+            f"the torque turns body 1 by at least {part:.2g} of {of}, expected at most "
+            f"{SMALL_WIND_UP:g}: the model assumes small deformations and contact at the places "
+            "without load (reduce the torque, or use stiffer bodies; flankload verify "
+            "--large-displacement includes the deformed geometry)"
         )
 
 
@@ -157,6 +164,7 @@ def _overlaps(result: Result) -> Iterator[str]:
     overlap_um = np.nanmax(opened_um - gap_um, initial=0.0)
     if overlap_um > 0.0:
         yield (
-            f"growth takes up the backlash: without torque coast flanks overlap by {overlap_um:.1f}"
-            " um or more; only the working flanks are looked at (effects.coast_flank)"
+            "the expansion closes the backlash: without torque, coast flanks would overlap by at "
+            f"least {overlap_um:.1f} um, which this run ignores (effects.coast_flank = true "
+            "includes them)"
         )

@@ -60,8 +60,8 @@ def positions_of(
     elif wanted.angles_deg is None and position_rad.size > 1:
         # the same teeth meet at every position, in the same state
         note = (
-            f"on common axes all positions are alike: one is computed, not {position_rad.size} "
-            "(pair.center_offset_mm parts the axes)"
+            f"on a common axis all positions are equal: one is computed instead of "
+            f"{position_rad.size} (pair.center_offset_mm separates the axes)"
         )
         notes = (note,)
         position_rad = position_rad[:1]
@@ -78,8 +78,8 @@ def _pitches(wanted: Positions, period: Period) -> int | None:
     if per_pitch * pitches**2 > MOST_NUMBERS and pitches > 1:
         raise SceneError(
             key="positions.pitches",
-            expected="so few pitches that positions times flank pairs, of which each pitch brings "
-            f"a new one, stay below {MOST_NUMBERS:g}",
+            expected="fewer pitches, so that positions times flank pairs (one more per pitch) stay "
+            f"below {MOST_NUMBERS:g}",
             found=f"{pitches} pitches of {per_pitch} positions",
         )
     return pitches
@@ -120,8 +120,8 @@ def _beyond_window(pitches: int | None, period: Period) -> Iterator[str]:
     if pitches is not None and pitches % period.pitches:
         pitch = "pitch" if pitches == 1 else "pitches"
         yield (
-            f"teeth stand beside their place: the curves repeat after {period.pitches} pitches, "
-            f"these positions run over {pitches} {pitch} (positions.pitches = 'hunting' for all)"
+            f"with pitch deviations the curves repeat after {period.pitches} pitches; these "
+            f"positions cover {pitches} {pitch} (positions.pitches = 'hunting' covers all)"
         )
 
 
@@ -135,13 +135,13 @@ def _beyond_teeth(
     repetitions = " and ".join(
         f"that of body_{z + 1} after {groups[z]} of {bodies[z].teeth} teeth" for z in unlike
     )
-    cure = "positions.pitches = 'hunting' for all"
+    cure = "positions.pitches = 'hunting' covers all"
     for z in unlike:
         if bodies[z].named_teeth:
             cure = f"name the flanks of all teeth of body_{z + 1}, then {cure}"
     window = "one" if pitches == 1 else f"{pitches}"
     yield (
-        f"the compliance does not repeat with the tooth, {repetitions}: the curves repeat after "
-        f"{whole.pitches} pitches, these positions run over {window}; their mean, peak to peak "
+        f"the compliance does not repeat from tooth to tooth, {repetitions}: the curves repeat "
+        f"after {whole.pitches} pitches, these positions cover {window}; their mean, peak to peak "
         f"and harmonics are not those of all teeth ({cure})"
     )

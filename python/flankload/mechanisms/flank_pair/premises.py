@@ -52,7 +52,7 @@ BACKLASH = Premise(
 )
 #: Finite elements with large displacements differ by 1.1 % at 0.031 of a pitch, 0.1 of a module,
 #: and by 1.9 % at twice as much.
-DEFLECTION = Premise("deflection", 0.1, "flanks that give way by at most 0.1 of a module")
+DEFLECTION = Premise("deflection", 0.1, "flank deflections of at most 0.1 of a module")
 #: Far above this limit strains are not small; metals yield at 0.01 of the modulus, polymers at 0.1.
 PRESSURE = Premise(
     "pressure", 0.5, "pressures of at most 0.5 of Young's modulus, that of the softer body"

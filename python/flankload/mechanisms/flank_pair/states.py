@@ -250,7 +250,7 @@ def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple
     """Notes on bodies whose discretization error the estimate does not include."""
     if pair.slices is not None:
         jumps = any(body.axial and body.axial.regions for body in pair.bodies)
-        slower = ", slower where widths jump" * jumps
+        slower = ", converging slowly where widths jump" * jumps
         note = (
             "not included in the estimated error: the polynomial degree along the axis "
             f"(accuracy.axial_degree{slower}) and forces at tip corners"

@@ -54,7 +54,7 @@ UNITS = {
 #: Description of the reference, and of its uncertainty.
 LIMIT = "uncertainty of the limit"
 #: Data that kinds of bodies import.
-FROM_FILES = {"mesh": "elements", "compliance": "influence numbers"}
+FROM_FILES = {"mesh": "elements", "compliance": "influence coefficients"}
 #: Replaces seconds if the uncertainty of the limit exceeds the tolerance.
 IN_DOUBT = "?"
 #: Column heading of the seconds of a step with the other parameters at their default.
@@ -259,7 +259,7 @@ def corner_notes(rows: Sequence[Row]) -> tuple[str, ...]:
 def file_notes(scene: Scene) -> tuple[str, ...]:
     """Note on data in files, which a study cannot vary."""
     return tuple(
-        f"{key}: its {what} come from a file, whose own error is not part of this"
+        f"{key}: its {what} come from a file, whose own error is not included"
         for key, body in (("body_1", scene.body_1), ("body_2", scene.body_2))
         if (what := FROM_FILES.get(body.kind)) is not None
     )

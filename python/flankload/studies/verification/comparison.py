@@ -108,7 +108,7 @@ class Verification(SolvedPosition):
     site_force_N, peak_pressure_MPa : (S,) arrays
         Values of flankload; pressures of solid bodies are NaN, since they are not compared.
     corner_contact : (S,) bool array
-        Contact on a sharp corner, where peak pressures are meaningless.
+        Contact on a sharp corner, where no finite peak pressure exists.
     job_cpu_s, position_cpu_s : float
         Flankload's CPU seconds for all positions of the scene, including finite elements, and for
         one more position.

@@ -104,7 +104,7 @@ def _lines(v: Verification) -> Iterator[str]:
     yield f"{'CPU seconds':<24}{v.job_cpu_s:>14.3g}{seconds}{'':>4}({scope})"
     yield ""
     if v.corner_contact.any():
-        yield "* on a sharp corner, where the pressure is meaningless"
+        yield "* on a sharp corner, where no finite pressure exists"
     deck = f"deck: {v.nodes} nodes, {v.elements} six-node triangles, finest {v.finest_mm:.3g} mm"
     if v.layers is not None:
         deck = (
