@@ -55,7 +55,9 @@ def keys_of(form: type[Table], before: str = "") -> list[Key]:
             continue
         field = fields[name]
         default = "required" if is_required(field) else shown(field.default)
-        if field.default is BY_NAME:
+        if others := form.instead_of.get(name, ()) if is_required(field) else ():
+            default = f"required, or {' or '.join(f'`{other}`' for other in others)}"
+        elif field.default is BY_NAME:
             default = "required unless a name gives it"
         low_high = f"{usual[name].low:g} to {usual[name].high:g}" if name in usual else ""
         if name in usual and (per := usual[name].per) is not None:
@@ -120,6 +122,6 @@ def group_title(section: str, key: Key) -> str | None:
     """Group in which a key of a body is listed; None for the keys of other tables."""
     if not section.startswith("Body: "):
         return None
-    if key.default == "required" and "." not in key.name:
+    if key.default.startswith("required") and "." not in key.name:
         return "Required"
     return group_of(key.name.partition(".")[0]) or "Keys of this kind"

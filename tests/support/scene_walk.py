@@ -18,6 +18,23 @@ TOGETHER: dict[str, tuple[dict[str, Any], ...]] = {
     "module_mm": ({"body_1.module_mm": 4.51, "body_2.module_mm": 4.51},),
     "pressure_angle_deg": ({"body_1.pressure_angle_deg": 20.1, "body_2.pressure_angle_deg": 20.1},),
     "tip_relief_um": ({"{}.tip_relief_um": 7.0}, {"{}.tip_relief_um": 7.0, "{}.START": 0.4}),
+    **dict.fromkeys(
+        ("addendum_factor", "tip_alteration_factor"),
+        (
+            {
+                **{"{}.tip_diameter_mm": None, "{}.addendum_factor": 0.98},
+                **{"{}.tip_alteration_factor": 0.01},
+            },
+        ),
+    ),
+    **{
+        f"{end}_relief_{key}": ({f"{{}}.{end}_relief_um": 7.0, f"{{}}.{end}_relief_{key}": value},)
+        for end, key, value in (
+            *(("tip", "length", "long"), ("root", "length", "short"), ("tip", "length_mm", 2.0)),
+            *(("tip", "start_roll_angle_deg", 36.0), ("root", "start_roll_angle_deg", 15.0)),
+        )
+    },
+    "normal_backlash_um": ({"{}.center_distance_mm": None, "{}.normal_backlash_um": 60.0},),
     "tip_relief_knee_um": (
         {
             **{"{}.tip_relief_um": 20.0, "{}.tip_relief_shape": "double_linear"},

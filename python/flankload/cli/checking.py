@@ -29,12 +29,15 @@ def check(arguments: Namespace) -> None:
 def _check_scene(path: Path, settings: Iterable[str]) -> None:
     from flankload.mechanisms.registry import mechanism_of
     from flankload.scene import read_scene
+    from flankload.scene.derived import derived_rows
     from flankload.studies.tolerance import first_discretization, first_scene
 
     scene = read_scene(path, changes=settings_of(settings))
     picked = first_discretization(scene).tables()
     description = mechanism_of(scene).describe(first_scene(scene))
     print(f"{scene.name}: a valid scene")
+    if derived := derived_rows(scene):
+        _print_rows("derived from other keys", derived)
     for title, rows in description.rows.items():
         _print_rows(title, rows)
     if picked:

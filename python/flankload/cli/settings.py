@@ -29,6 +29,8 @@ def settings_of(given: Iterable[str]) -> dict[str, Any]:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not (key and equals):
             refuse("--set", "KEY=VALUE", text)
+        if value.startswith("."):  # no number of TOML
+            value = f"0{value}"
         try:
             found[key] = tomllib.loads(f"value = {value}")["value"] if value else None
         except tomllib.TOMLDecodeError:

@@ -8,10 +8,10 @@ intersects the line of centres at the distance s (a - r) from O1, on the side of
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, cos, degrees, hypot, pi, sqrt, tan
+from math import acos, cos, degrees, hypot, pi, tan
 from typing import TYPE_CHECKING
 
-from flankload.base.involute import PITCH_TOLERANCE, roll_of_involute_angle
+from flankload.base.involute import PITCH_TOLERANCE, distance_of_backlash, ends_of_path
 from flankload.bodies.profile_deviation import deviation_at
 from flankload.errors import SceneError
 from flankload.pairing.interference import overlapping_flanks, root_contacts
@@ -132,7 +132,7 @@ def gear_geometry(
     backlash = _backlash(pair, radius_1, radius_2, warnings, coast_flanks=coast_flanks)
     _check_clearances(pair)
     tangent_1, tangent_2 = (r * tan(angle) for r in (one.base_radius_mm, two.base_radius_mm))
-    start, end = _path_of_contact(pair, (tangent_1, tangent_2))
+    start, end = _path_of_contact(pair, angle)
     contact_ratio = (end - start) / pair.base_pitch
     usable = _usable_path(pair.sense, body_1, body_2, (tangent_1, tangent_2)) / pair.base_pitch
     usable, overlap = min(usable, contact_ratio), _overlap_ratio(body_1, body_2)
@@ -164,10 +164,11 @@ def _cosine_base_helix(body: Body) -> float:
     return 1.0 / hypot(1.0, twist * body.involute.base_radius_mm)
 
 
-def _path_of_contact(pair: _Pair, tangents_mm: tuple[float, float]) -> tuple[float, float]:
-    """Ends of the path of contact from the pitch point, mm; `tangents_mm` as in `_usable_path`."""
-    start = pair.sense * (tangents_mm[1] - _length_at_tip(pair.two))
-    end = _length_at_tip(pair.one) - tangents_mm[0]
+def _path_of_contact(pair: _Pair, angle: float) -> tuple[float, float]:
+    """Ends of the path of contact from the pitch point, mm, at the working pressure angle."""
+    one, two = pair.one, pair.two
+    radii, tips = zip(*((x.base_radius_mm, x.tip_radius_mm) for x in (one, two)), strict=True)
+    start, end = ends_of_path(radii, tips, angle, pair.sense)
     if end <= start:
         raise SceneError(
             key=DISTANCE,
@@ -200,11 +201,6 @@ def _warn_of_short_path(
             f"both flanks are involutes over {usable:.3f} of the contact ratio of "
             f"{contact_ratio:.3f}: between two flanks a fillet or a tip rounding carries"
         )
-
-
-def _length_at_tip(involute: Involute) -> float:
-    """Distance along the line of action from the base circle to the tip circle, mm."""
-    return sqrt(max(0.0, involute.tip_radius_mm**2 - involute.base_radius_mm**2))
 
 
 def _usable_path(sense: int, body_1: Body, body_2: Body, tangents_mm: tuple[float, float]) -> float:
@@ -327,19 +323,11 @@ def _backlash_of_rounding(pressure_angle_rad: float) -> float:
 
 
 def _distance_without_backlash(pair: _Pair) -> float | None:
-    """Centre distance without backlash, mm; None if there is none.
-
-    The teeth fill the pitch on the working circles r_b/cos(alpha_w): the sum over both bodies of
-    r_b (half angle of the tooth at the base -+ inv(alpha_w)), + for internal teeth, is half of a
-    base pitch.
-    """
-    radii = (pair.one.base_radius_mm, pair.sense * pair.two.base_radius_mm)
-    filled = sum(
-        radius * (involute.base_half_angle_rad - involute.tooth_center_rad)
-        for radius, involute in zip(radii, (pair.one, pair.two), strict=True)
-    )
-    value = (filled - 0.5 * pair.base_pitch) / sum(radii)
-    return abs(sum(radii)) * hypot(1.0, roll_of_involute_angle(value)) if value > 0.0 else None
+    """Centre distance without backlash, mm; None if there is none."""
+    one, two = pair.one, pair.two
+    half_angles = one.base_half_angle_rad, two.base_half_angle_rad - two.tooth_center_rad
+    radii = one.base_radius_mm, two.base_radius_mm
+    return distance_of_backlash(radii, half_angles, pair.base_pitch, pair.sense)
 
 
 def _check_clearances(pair: _Pair) -> None:
@@ -382,6 +370,6 @@ def describe_gears(gears: GearGeometry) -> tuple[tuple[str, str], ...]:
         ),
         ("base pitch", f"{gears.base_pitch_mm:.4f} mm"),
         *_described_ratios(gears),
-        ("backlash on the pitch circle", f"{gears.backlash_mm:.4f} mm"),
-        ("backlash, normal", f"{gears.normal_backlash_mm:.4f} mm"),
+        ("backlash on the pitch circle", f"{round(gears.backlash_mm, 4) + 0.0:.4f} mm"),
+        ("backlash, normal", f"{round(gears.normal_backlash_mm, 4) + 0.0:.4f} mm"),
     )

@@ -49,6 +49,7 @@ def read_table(form: type[T], table: object, key: str) -> T:
     members = list(_members_of(form, table, key))
     for member in members:
         _check_known(member)
+        _check_alternatives(member)
     missing = {path: kind for member in members for path, kind in _missing(member)}
     for path, kind in missing.items():
         place = path.rpartition(".")[0]
@@ -127,6 +128,16 @@ def _is_complete(form: type[Table], given: Mapping[str, Any]) -> bool:
     return set(_required_in(form, given)) <= set(given)
 
 
+def _check_alternatives(member: _Member) -> None:
+    """Refuse a key beside another one that gives the same."""
+    for name, others in member.form.instead_of.items() if member.form else ():
+        named = [other for other in (name, *others) if other in member.given]
+        if len(named) > 1:
+            path = _path(member.key, named[1])
+            expected = f"nothing beside {_path(member.key, named[0])}: one of the two"
+            refuse(path, expected, shown(member.given[named[1]]))
+
+
 def _known(form: type[Table]) -> list[str]:
     """Keys of a table, `kind` included."""
     tag = form.__struct_config__.tag_field
@@ -144,12 +155,17 @@ def _missing(member: _Member) -> Iterator[tuple[str, str]]:
     for name in _required_in(form, given):
         kind = fields_of(form)[name].type
         if name not in given and not _tables_of(kind):
-            yield _path(key, name), expected_of(inspect.type_info(kind))
+            expected = expected_of(inspect.type_info(kind))
+            yield _path(key, name), " or ".join((expected, *form.instead_of.get(name, ())))
 
 
 def _required_in(form: type[Table], given: Mapping[str, Any]) -> tuple[str, ...]:
     """Required keys of a table that has the given ones."""
-    return required_of(form) + form.also_required(given)
+    required = required_of(form)
+    if form.instead_of:
+        others = form.instead_of
+        required = tuple(x for x in required if not any(y in given for y in others.get(x, ())))
+    return required + form.also_required(given)
 
 
 def _tables_of(kind: Any) -> tuple[type[Table], ...]:
@@ -166,7 +182,7 @@ def fields_of(form: type[Table]) -> dict[str, FieldInfo]:
 
 
 def is_required(field: FieldInfo) -> bool:
-    """Whether a key is required, in the file or from a name (module `catalogue`)."""
+    """Whether a key is required, in the file, from a name (module `catalogue`) or from others."""
     return field.required or field.default is BY_NAME
 
 

@@ -1,5 +1,6 @@
 """Groups of the keys of a body, in the order of a design: schema, reference and scene files."""
 
+from msgspec import UNSET
 from msgspec.structs import FieldInfo
 
 #: Keys of each group in their order. A name that ends in an underscore matches all keys that begin
@@ -20,7 +21,13 @@ GROUPS = {
         "ball_measurement_mm",
         "measuring_ball_mm",
     ),
-    "Tip": ("tip_diameter_mm", "tip_radius_mm", "tip_chamfer_mm"),
+    "Tip": (
+        "tip_diameter_mm",
+        "addendum_factor",
+        "tip_alteration_factor",
+        "tip_radius_mm",
+        "tip_chamfer_mm",
+    ),
     "Root": (
         "root_diameter_mm",
         "dedendum_factor",
@@ -67,7 +74,9 @@ def in_groups(fields: dict[str, FieldInfo]) -> dict[str, FieldInfo]:
     """
 
     def rank(name: str) -> tuple[bool, int, int]:
-        return (not fields[name].required, *(_place_of(name) or (0, len(fields))))
+        field = fields[name]
+        required = field.required or field.default is UNSET  # from other keys
+        return (not required, *(_place_of(name) or (0, len(fields))))
 
     return {name: fields[name] for name in sorted(fields, key=rank)}
 

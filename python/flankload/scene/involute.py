@@ -1,130 +1,61 @@
-"""Keys of involute profiles (basic rack, tooth thickness, tip, reliefs) and their rules."""
+"""Keys of involute profiles (basic rack, tip, crowning, protuberance) and their rules."""
 
 from collections.abc import Mapping, Sequence
 from math import atan, cos, pi, radians, tan
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 from msgspec import Meta
 
 from flankload.scene.refusal import refuse, refuse_absent
+from flankload.scene.reliefs import ReliefKeys, check_reliefs
 from flankload.scene.table import (
-    MOST_TEETH,
+    BY_OTHERS,
     PER_MODULE,
     USUAL_MODIFICATION,
     USUAL_ROUNDING,
     USUAL_SIZE,
-    Deviation,
     Length,
     Relief,
-    ReliefShape,
     Shift,
     Table,
     about,
 )
+from flankload.scene.thickness import check_thickness
 
 #: Largest pitch error over base pitch; larger ones could change the order of the teeth.
 LARGEST_PITCH_ERROR = 0.1
 
 
-class ThicknessKeys(Table, frozen=True, kw_only=True):
-    """Keys of the tooth thickness, in the normal section; at most one measurement."""
-
-    grouped: ClassVar[bool] = True
-
-    tooth_thickness_allowance_um: Annotated[
-        Deviation | None,
-        about(
-            "deviation of the tooth thickness on the reference circle from that of the profile "
-            "shift, in the normal section (E_sn); negative = thinner teeth; the root is cut "
-            "deeper accordingly",
-            "um",
-            usual=USUAL_MODIFICATION,
-        ),
-    ] = None
-    span_measurement_mm: Annotated[
-        Length | None,
-        about(
-            "span measurement W_k of the finished teeth, in place of the allowance; requires "
-            "span_teeth",
-            "mm",
-            usual=USUAL_SIZE,
-        ),
-    ] = None
-    span_teeth: Annotated[
-        Annotated[int, Meta(ge=1, le=MOST_TEETH)] | None, about("number of teeth spanned, k", "-")
-    ] = None
-    ball_measurement_mm: Annotated[
-        Length | None,
-        about(
-            "dimension over two balls, or between them for internal teeth (M_dK), in place of the "
-            "allowance; requires measuring_ball_mm",
-            "mm",
-            usual=USUAL_SIZE,
-        ),
-    ] = None
-    measuring_ball_mm: Annotated[
-        Length | None, about("diameter of the balls", "mm", usual=(0.1, 200.0))
-    ] = None
-
-
-class InvoluteKeys(ThicknessKeys, frozen=True, kw_only=True):
+class InvoluteKeys(ReliefKeys, frozen=True, kw_only=True):
     """Keys of an involute profile without its root."""
+
+    instead_of: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        **ReliefKeys.instead_of,
+        "tip_diameter_mm": ("addendum_factor",),
+    }
 
     module_mm: Annotated[Length, about("module", "mm", usual=(0.02, 100.0))]
     pressure_angle_deg: Annotated[
         float, Meta(ge=5, le=45), about("pressure angle of the basic rack", "deg")
     ] = 20.0
     profile_shift: Annotated[Shift, about("profile shift in modules", "-")] = 0.0
-    tip_diameter_mm: Annotated[Length, about("diameter of the tip circle", "mm", usual=USUAL_SIZE)]
-    tip_relief_um: Annotated[
-        Relief | None,
+    tip_diameter_mm: Annotated[
+        Length, about("diameter of the tip circle", "mm", usual=USUAL_SIZE)
+    ] = BY_OTHERS
+    addendum_factor: Annotated[
+        Annotated[float, Meta(gt=0, le=5)] | None,
         about(
-            "tip relief at the tip circle, normal to the involute",
-            "um",
-            usual=USUAL_MODIFICATION,
-            per=PER_MODULE,
+            "addendum of the basic rack in modules (h_aP*), in place of tip_diameter_mm: "
+            "d_a = d + 2 m_n (h_aP* + x + k), of internal teeth d - 2 m_n (h_aP* - x + k)",
+            "-",
         ),
     ] = None
-    tip_relief_start_diameter_mm: Annotated[
-        Length | None, about("diameter at which the tip relief begins", "mm", usual=USUAL_SIZE)
-    ] = None
-    tip_relief_shape: Annotated[
-        Literal[ReliefShape, "double_linear"],
+    tip_alteration_factor: Annotated[
+        Shift,
         about(
-            "shape of the tip relief over the roll angle: 'linear', as on drawings, begins with a "
-            "kink, which acts as a sharp corner; 'parabolic' begins without a kink; "
-            "'double_linear' has two straight parts that meet at tip_relief_knee_diameter_mm"
+            "tip alteration in modules (k), beside addendum_factor; negative = shorter teeth", "-"
         ),
-    ] = "linear"
-    tip_relief_knee_um: Annotated[
-        Relief | None,
-        about(
-            "tip relief at tip_relief_knee_diameter_mm, with tip_relief_shape = 'double_linear'",
-            "um",
-            usual=USUAL_MODIFICATION,
-            per=PER_MODULE,
-        ),
-    ] = None
-    tip_relief_knee_diameter_mm: Annotated[
-        Length | None,
-        about("diameter at which both parts of the tip relief meet", "mm", usual=USUAL_SIZE),
-    ] = None
-    root_relief_um: Annotated[
-        Relief | None,
-        about(
-            "root relief at the form circle, normal to the involute",
-            "um",
-            usual=USUAL_MODIFICATION,
-            per=PER_MODULE,
-        ),
-    ] = None
-    root_relief_start_diameter_mm: Annotated[
-        Length | None, about("diameter at which the root relief begins", "mm", usual=USUAL_SIZE)
-    ] = None
-    root_relief_shape: Annotated[
-        ReliefShape,
-        about("shape of the root relief over the roll angle, as tip_relief_shape"),
-    ] = "linear"
+    ] = 0.0
     tip_radius_mm: Annotated[
         Length | None,
         about("radius of the arc between flank and tip circle", "mm", usual=USUAL_ROUNDING),
@@ -224,8 +155,11 @@ def check_tip(
     body: InvoluteKeys, given: Mapping[str, Any], key: str, *, inwards: bool = False
 ) -> None:
     """Check the keys of thickness, reliefs, protuberance, and tip rounding or chamfer."""
-    _check_thickness(body, key, inwards=inwards)
-    _check_reliefs(body, given, key)
+    check_thickness(body, key, inwards=inwards)
+    check_reliefs(body, given, key)
+    _check_start(body, key, inwards=inwards)
+    if "tip_alteration_factor" in given and body.addendum_factor is None:
+        refuse_absent(key, "addendum_factor", "a number > 0", "tip_alteration_factor")
     if isinstance(body, Geometry):
         _check_protuberance(body, given, key)
     if body.tip_radius_mm is not None and body.tip_chamfer_mm is not None:
@@ -234,23 +168,17 @@ def check_tip(
             f"nothing beside {key}.tip_chamfer_mm: a tip has one or the other",
             f"{body.tip_radius_mm:g} and {body.tip_chamfer_mm:g}",
         )
+
+
+def _check_start(body: InvoluteKeys, key: str, *, inwards: bool) -> None:
+    """Check that the tip relief begins on the side of the root."""
     start = body.tip_relief_start_diameter_mm
-    if body.tip_relief_um is None:
-        for name in ("tip_relief_start_diameter_mm", "tip_relief_shape"):
-            if name in given:
-                refuse_absent(key, "tip_relief_um", "a number >= 0", name)
-    elif start is None:
-        if body.tip_relief_um:  # a relief of 0 begins nowhere
-            refuse_absent(key, "tip_relief_start_diameter_mm", "a number > 0", "tip_relief_um")
-    elif start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
+    if start is None:
+        return
+    if start <= body.tip_diameter_mm if inwards else start >= body.tip_diameter_mm:
         side = "more" if inwards else "less"
         expected = f"{side} than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
         refuse(f"{key}.tip_relief_start_diameter_mm", expected, start)
-
-
-_DOUBLE = "double_linear"
-#: Measurements of the tooth thickness, with the key that each requires.
-MEASURED = {"span_measurement_mm": "span_teeth", "ball_measurement_mm": "measuring_ball_mm"}
 
 
 def _check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> None:
@@ -270,38 +198,3 @@ def _check_protuberance(body: Geometry, given: Mapping[str, Any], key: str) -> N
     if body.protuberance_angle_deg >= body.pressure_angle_deg:
         expected = f"less than {key}.pressure_angle_deg ({body.pressure_angle_deg:g})"
         refuse(f"{key}.protuberance_angle_deg", expected, body.protuberance_angle_deg)
-
-
-def _check_thickness(body: ThicknessKeys, key: str, *, inwards: bool) -> None:
-    """Check that there is at most one key of the thickness, with the key that it requires."""
-    keys = ("tooth_thickness_allowance_um", *MEASURED)
-    named = [name for name in keys if getattr(body, name) is not None]
-    if len(named) > 1:
-        expected = f"nothing beside {key}.{named[0]}, which gives the tooth thickness as well"
-        refuse(f"{key}.{named[1]}", expected, getattr(body, named[1]))
-    for name, beside in MEASURED.items():
-        value, other = getattr(body, name), getattr(body, beside)
-        if value is not None and other is None:
-            refuse_absent(key, beside, "a number", name)
-        if value is None and other is not None:
-            refuse_absent(key, name, "a number", beside)
-    if inwards and body.span_measurement_mm is not None:
-        expected = "nothing for internal teeth (ball_measurement_mm instead)"
-        refuse(f"{key}.span_measurement_mm", expected, body.span_measurement_mm)
-
-
-def _check_reliefs(body: InvoluteKeys, given: Mapping[str, Any], key: str) -> None:
-    """Check that a double-linear tip relief has a knee, and a root relief a start."""
-    double = body.tip_relief_shape == "double_linear"
-    for name in ("tip_relief_knee_um", "tip_relief_knee_diameter_mm"):
-        value = getattr(body, name)
-        if double and body.tip_relief_um and value is None:
-            refuse(f"{key}.{name}", f"a number, since {key}.tip_relief_shape is '{_DOUBLE}'", None)
-        if not double and value is not None:
-            refuse(f"{key}.{name}", f"nothing without {key}.tip_relief_shape = '{_DOUBLE}'", value)
-    if body.root_relief_um is None:
-        for name in ("root_relief_start_diameter_mm", "root_relief_shape"):
-            if name in given:
-                refuse_absent(key, "root_relief_um", "a number >= 0", name)
-    elif body.root_relief_um and body.root_relief_start_diameter_mm is None:
-        refuse_absent(key, "root_relief_start_diameter_mm", "a number > 0", "root_relief_um")

@@ -1,19 +1,22 @@
 """The tables [pair], [load] and [positions] and their rules."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from msgspec import Meta
 
 from flankload.scene.axial import MISALIGNMENTS
+from flankload.scene.involute import InvoluteKeys
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
     LARGEST_TILT,
+    USUAL_MODIFICATION,
     USUAL_SIZE,
     Angle,
     Angles,
     BodyTable,
     Length,
+    Relief,
     Table,
     Torque,
     Torques,
@@ -34,13 +37,26 @@ USUAL_MISALIGNMENT = (1e-3, LARGEST_TILT)
 class Pair(Table, frozen=True, kw_only=True):
     """Relative position of the bodies."""
 
+    instead_of: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "center_distance_mm": ("normal_backlash_um",)
+    }
+
     center_distance_mm: Annotated[
         Length | None,
         about(
             "actual distance of the two axes, including a centre distance error, which does not "
-            "change the teeth; required, except for splines",
+            "change the teeth; absent = from normal_backlash_um, or that without backlash for the "
+            "profile shifts; required for cams and compliance files; not for splines",
             "mm",
             usual=USUAL_SIZE,
+        ),
+    ] = None
+    normal_backlash_um: Annotated[
+        Relief | None,
+        about(
+            "normal backlash of the finished teeth (j_bn), in place of center_distance_mm",
+            "um",
+            usual=USUAL_MODIFICATION,
         ),
     ] = None
     center_offset_mm: Annotated[
@@ -114,8 +130,13 @@ class Pair(Table, frozen=True, kw_only=True):
             expected = f"nothing: a {body_1.kind} and a {body_2.kind} have "
             expected += "pair.center_distance_mm, only splines an offset"
             refuse("pair.center_offset_mm", expected, offset)
-        if not body_1.conforms and distance is None:
-            refuse("pair.center_distance_mm", "a number from 0.001 to 100000", "nothing")
+        if body_1.conforms and self.normal_backlash_um is not None:
+            expected = "nothing: splines have pair.center_offset_mm (absent = 0)"
+            refuse("pair.normal_backlash_um", expected, self.normal_backlash_um)
+        known = all(isinstance(body.flank_keys[1], InvoluteKeys) for body in (body_1, body_2))
+        if not body_1.conforms and distance is None and not known:
+            expected = "a number from 0.001 to 100000, since not both bodies have the keys of an "
+            refuse("pair.center_distance_mm", expected + "involute profile", "nothing")
         for name in MISALIGNMENTS:
             if getattr(self, name) and body_1.conforms == (name != OF_SPLINES):
                 here = OF_SPLINES if body_1.conforms else " and ".join(MISALIGNMENTS[:2])

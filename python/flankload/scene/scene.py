@@ -25,6 +25,7 @@ from flankload.scene.belt import Belt, Pulley
 from flankload.scene.cam import Cam, Follower
 from flankload.scene.catalogue import with_catalogue
 from flankload.scene.chain import Chain, Sprocket
+from flankload.scene.derived import derived_keys, with_pair_geometry, with_tip_diameters
 from flankload.scene.drive import check_drive
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.effects.rules import check_effects
@@ -119,6 +120,8 @@ class Scene(Card):
     accuracy : Accuracy
     file : Path or None
         File from which the scene was read.
+    derived : frozenset of str
+        Paths of the keys that follow from others (module `derived`) and are not in the file.
     named_effects : frozenset of str
         Keys of [effects] that the scene sets explicitly.
     named_discretization_keys : frozenset of str
@@ -134,6 +137,7 @@ class Scene(Card):
     effects: EffectsAsked
     accuracy: Accuracy
     file: Path | None = None
+    derived: frozenset[str] = frozenset()
     named_effects: frozenset[str] = frozenset()
     named_discretization_keys: frozenset[str] = frozenset()
 
@@ -316,8 +320,9 @@ class Scene(Card):
         path = Path(file) if file is not None else None
         d = without_former_keys(d, path)
         try:
-            asked = read_table(SceneFile, with_catalogue(d), "")
+            asked = with_tip_diameters(read_table(SceneFile, with_catalogue(d), ""))
             _check_all(asked, d)
+            asked = with_pair_geometry(asked)
             asked = _with_slices(_without_repetition(asked, d), d)
         except SceneError as error:
             raise (error if path is None else error.with_file(path)) from None
@@ -331,6 +336,7 @@ class Scene(Card):
             effects=asked.effects,
             accuracy=asked.accuracy,
             file=path,
+            derived=derived_keys(asked, d),
             named_effects=frozenset(d.get("effects", {})),
             named_discretization_keys=frozenset(
                 f"{table}.{key}" for table in ("accuracy", "positions") for key in d.get(table, {})

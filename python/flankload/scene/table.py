@@ -32,6 +32,8 @@ Shift = Annotated[float, Meta(ge=-5, le=5)]
 #: Default of a required key that can follow from a name (module `catalogue`). Tables made in Python
 #: may omit it; the reader refuses scenes without it.
 BY_NAME: Any = UNSET
+#: Default of a required key that can follow from others of its table (`Table.instead_of`).
+BY_OTHERS: Any = UNSET
 
 
 def about(
@@ -126,9 +128,13 @@ class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metac
     ----------
     grouped : bool
         The keys have the order of module `groups`; others have that of their class.
+    instead_of : mapping of str to tuple of str
+        For a key that can follow from others (module `derived`): the keys that give it, of which
+        a table has at most one, in place of the key itself.
     """
 
     grouped: ClassVar[bool] = False
+    instead_of: ClassVar[Mapping[str, tuple[str, ...]]] = {}
 
     @classmethod
     def also_required(cls, given: Mapping[str, Any]) -> tuple[str, ...]:

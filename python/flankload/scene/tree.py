@@ -62,6 +62,12 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
         named = {key.partition(".")[2] for key in set_keys if key.startswith(f"{name}.")}
         found = tree_of(getattr(scene, name), frozenset(named))
         tree[name] = {key: x for key, x in found.items() if implied or key in named}
+    for path in scene.derived:
+        place, _, key = path.rpartition(".")
+        table = tree
+        for part in place.split("."):
+            table = table.get(part, {})
+        table.pop(key, None)
     return {name: part for name, part in tree.items() if part != {}}
 
 

@@ -102,8 +102,8 @@ class Drive(AsScene, Table, frozen=True, kw_only=True):
 class GearPair(FlankPair, frozen=True):
     """Two gears, or a gear in a ring; both may be imported bodies.
 
-    `center_distance_mm`, `face_width_mm` and `torque_Nm` are required. A key at its default counts
-    as absent.
+    `face_width_mm` and `torque_Nm` are required; without `center_distance_mm` the gears have no
+    backlash, or `normal_backlash_um`. A key at its default counts as absent.
 
     Examples
     --------

@@ -71,6 +71,7 @@ BASES: dict[str, dict[str, Any]] = {
 #: modes. All others must not.
 OF_BODY = (
     *("teeth", "module_mm", "pressure_angle_deg", "profile_shift", "tip_diameter_mm"),
+    *("addendum_factor", "tip_alteration_factor"),
     *("tip_radius_mm", "tip_chamfer_mm", "dedendum_factor", "fillet_radius_factor"),
     *("bore_diameter_mm", "root_diameter_mm", "outer_diameter_mm", "root_fillet_radius_mm"),
     *("young_modulus_MPa", "poisson_ratio", "rigid", "helix_angle_deg", "face_width_mm"),
@@ -104,7 +105,9 @@ TIMED = ("accuracy.tolerance", "effects.choose")
 OF_FIRST = (
     *("material", "span_measurement_mm", "span_teeth", "ball_measurement_mm"),
     *("measuring_ball_mm", "tip_relief_knee_um", "protuberance_mm", "protuberance_angle_deg"),
-    "grinding_stock_mm",
+    *("grinding_stock_mm", "addendum_factor", "tip_alteration_factor"),
+    *("tip_relief_start_roll_angle_deg", "tip_relief_length_mm", "tip_relief_length"),
+    *("root_relief_start_roll_angle_deg", "root_relief_length"),
 )
 #: Tables and keys of a base: of the first one nearly all, of the others those that they add.
 WALKED = {
@@ -220,6 +223,7 @@ def test_every_key_gives_the_bits_of_a_single_run_and_only_some_reach_elements(n
             *BESIDE,
             "tip_relief_shape",
             "root_relief_shape",
+            *("module_mm", "pressure_angle_deg"),  # as of the other body
         }
 
 

@@ -114,7 +114,7 @@ def test_several_missing_keys_are_named_at_once() -> None:
     sprocket = {**CHAIN["body_1"], "pitch_mm": 12.7, "roller_diameter_mm": 8.51}
     with pytest.raises(SceneError) as refused:
         fl.Scene.from_dict({**tables, "body_1": sprocket})
-    assert "also missing: roller_diameter_mm, link_stiffness_N, contact_" in str(refused.value)
+    assert "also missing: wrap_angle_deg, link_stiffness_N, contact_" in str(refused.value)
 
 
 def test_a_material_gives_elastic_constants_expansion_and_density() -> None:

@@ -33,7 +33,10 @@ DOUBLE = {
         (
             {"body_1__root_relief_um": 5.0},
             "body_1.root_relief_start_diameter_mm",
-            "a number > 0, since there is a body_1.root_relief_um",
+            (
+                "a number > 0 (or root_relief_start_roll_angle_deg, root_relief_length), since "
+                "there is a body_1.root_relief_um"
+            ),
             "nothing",
         ),
         (

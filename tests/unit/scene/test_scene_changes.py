@@ -124,8 +124,9 @@ def test_whole_tables_entries_of_lists_and_absent_keys() -> None:
         (
             {"body_1.tip_relief_um": 25},
             (
-                "a.toml: body_1.tip_relief_start_diameter_mm: expected a number > 0, since there "
-                "is a body_1.tip_relief_um, found nothing"
+                "a.toml: body_1.tip_relief_start_diameter_mm: expected a number > 0 (or "
+                "tip_relief_start_roll_angle_deg, tip_relief_length_mm, tip_relief_length), since "
+                "there is a body_1.tip_relief_um, found nothing"
             ),
         ),
         (

@@ -21,9 +21,9 @@ from flankload.bodies.profile.involute import (
     Modifications,
 )
 from flankload.bodies.profile.tooth_profile import ToothProfile, profile_curve
-from flankload.bodies.profile.tooth_thickness import generating_shift
 from flankload.errors import SceneError
 from flankload.scene.refusal import refuse
+from flankload.scene.thickness import generating_shift
 
 if TYPE_CHECKING:
     from flankload.flank import Place

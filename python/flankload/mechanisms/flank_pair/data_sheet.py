@@ -54,7 +54,7 @@ def data_sheet(scene: Scene) -> DataSheet:
 
 
 def _mm(value: float) -> str:
-    return f"{value:.4f} mm"
+    return f"{round(value, 4) + 0.0:.4f} mm"
 
 
 def _deg(value_rad: float) -> str:
@@ -225,7 +225,7 @@ def _rows_along_axis(body: Body) -> Iterator[SheetRow]:
 # --- pair -----------------------------------------------------------------------------------------
 def _rows_of_pair(scene: Scene, pair: BodyPair) -> Iterator[SheetRow]:
     gears, fit = pair.pairing.gear_geometry, pair.pairing.fit
-    apart = f"{scene.pair.axes_apart_mm:g} mm"
+    apart = f"{scene.pair.axes_apart_mm:.8g} mm"
     if fit is not None:
         yield SheetRow("offset of the axes", "", apart)
         yield from _spline_rows(fit)

@@ -53,7 +53,7 @@ def describe(scene: Scene) -> Description:
 def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
     gears, fit = pair.pairing.gear_geometry, pair.pairing.fit
     return [
-        ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:g} mm"),
+        ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:.8g} mm"),
         ("face width", f"{scene.pair.face_width_mm:g} mm"),
         *(describe_gears(gears) if gears is not None else ()),
         *(describe_fit(fit) if fit is not None else ()),

@@ -10,6 +10,7 @@ from msgspec import structs
 
 from flankload.errors import SceneError
 from flankload.scene import Gear, Ring
+from flankload.scene.derived import source_of
 from flankload.scene.usual import with_questions
 
 if TYPE_CHECKING:
@@ -26,6 +27,9 @@ def explained(error: SceneError, scene: Scene, paired: Callable[[Scene], object]
     """
     if type(error) is not SceneError:
         return error
+    if error.key in scene.derived:
+        found = f"{error.found}, by {source_of(scene, error.key)}"
+        error = SceneError(key=error.key, expected=error.expected, found=found, file=error.file)
     return with_questions(_transverse_module(error, scene, paired) or error, scene)
 
 

@@ -10,6 +10,7 @@ from flankload.errors import SceneError
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, three_dimensional_key
 from flankload.scene.belt import Pulley
 from flankload.scene.effects.record import Switch, as_key
+from flankload.scene.reliefs import ReliefKeys
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
@@ -20,10 +21,10 @@ MODIFICATIONS = (
     *("tip_radius_mm", "tip_chamfer_mm"),
 )
 
-#: Keys of the places of reliefs, which every relief requires.
+#: Keys of the places of reliefs, of which every relief requires some.
 RELIEF_PLACES = (
-    *("tip_relief_start_diameter_mm", "tip_relief_knee_um", "tip_relief_knee_diameter_mm"),
-    "root_relief_start_diameter_mm",
+    *("tip_relief_knee_um", "tip_relief_knee_diameter_mm"),
+    *(name for start, others in ReliefKeys.instead_of.items() for name in (start, *others)),
 )
 
 
