@@ -59,7 +59,7 @@ OTHER: tuple[tuple[str, Tree], ...] = (
 
 @cache
 def bases() -> tuple[Tree, ...]:
-    """Scenes of the examples and the benchmarks, with few positions and coarse elements."""
+    """Scenes of the examples, random ones and one from a drawing; few positions, coarse elements."""
     trees = []
     for file in sorted(SCENES.glob("*.toml")):
         tree = tomllib.loads(file.read_text(encoding="utf-8"))
@@ -68,6 +68,11 @@ def bases() -> tuple[Tree, ...]:
                 tree[body]["file"] = str((SCENES / tree[body]["file"]).resolve())
         trees.append(tree)
     trees += [copy.deepcopy(scene) for _, scene in scenes(6)]
+    gear = {"kind": "gear", "module_mm": 4.5, "addendum_factor": 1.0, "bore_diameter_mm": 30}
+    gear |= {"tip_relief_um": 20, "tip_relief_length": "long"}
+    derived = {"body_1": {**gear, "teeth": 16}, "body_2": {**gear, "teeth": 24}}
+    pair = {"normal_backlash_um": 80, "face_width_mm": 14}
+    trees.append({**derived, "pair": pair, "load": {"torque_Nm": 302}})
     return tuple(_coarse(tree) for tree in trees)
 
 
