@@ -9,7 +9,8 @@ import msgspec
 from msgspec import inspect as kinds_of
 from reference_markdown import table, unit_shown
 
-from flankload.scene.form import expected_of, fields_of, is_required, types_of
+from flankload.scene.expected import expected_of
+from flankload.scene.form import fields_of, is_required, types_of
 from flankload.scene.groups import group_of
 from flankload.scene.scene import Body1, Body2, SceneFile
 from flankload.scene.table import BY_NAME, Table

@@ -59,7 +59,7 @@ OTHER: tuple[tuple[str, Tree], ...] = (
 
 @cache
 def bases() -> tuple[Tree, ...]:
-    """Scenes of the examples, random ones and one from a drawing; few positions, coarse elements."""
+    """Scenes of examples, at random and from a drawing, with few positions and coarse elements."""
     trees = []
     for file in sorted(SCENES.glob("*.toml")):
         tree = tomllib.loads(file.read_text(encoding="utf-8"))

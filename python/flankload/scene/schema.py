@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from flankload.scene.form import expected_of, types_of
+from flankload.scene.expected import expected_of
+from flankload.scene.form import types_of
 from flankload.scene.scene import SceneFile
 from flankload.scene.table import Table
 
