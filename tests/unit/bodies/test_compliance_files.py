@@ -95,7 +95,9 @@ def test_scene_read_back_is_the_original_bit_by_bit(folder: Path, plain: fl.Resu
     assert_same(found, plain)
     assert_no_elements(found)
     # a file has no key that would take a corner away
-    one, two = ([line.partition(" touches with ")[0] for line in r.warnings] for r in (found, plain))
+    one, two = (
+        [line.partition(" touches with ")[0] for line in r.warnings] for r in (found, plain)
+    )
     assert one == two
     for outline in ("outline_1", "outline_2"):
         np.testing.assert_array_equal(

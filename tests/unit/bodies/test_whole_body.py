@@ -158,7 +158,9 @@ def test_flank_that_carries_alone_because_others_are_not_named_is_said(folder: P
     body = whole("body_1", folder / "pinion_whole.msh", flank_sets=["FLANK_0"], teeth=16)
     found = solve(scene_of(body, sector("body_2", COARSE_WHEEL)))
     (warning,) = [w for w in found.warnings if "name their flanks" in w]
-    assert warning.startswith("teeth of body_1 next to the loaded pairs 0 may carry load, but have no flank")
+    assert warning.startswith(
+        "teeth of body_1 next to the loaded pairs 0 may carry load, but have no flank"
+    )
 
 
 def test_mirrored_whole_body_gives_the_mirrored_result(tmp_path: Path, by_nodes: fl.Result) -> None:

@@ -157,7 +157,9 @@ def test_several_motions(method: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_two_pairs_without_a_state_are_proven(method: str) -> None:
     matrix = np.array([[2.0, 1.0], [1.0, 1.5]])
-    with pytest.raises(errors.NoContactState, match="no contact state balances these loads") as caught:
+    with pytest.raises(
+        errors.NoContactState, match="no contact state balances these loads"
+    ) as caught:
         solve((matrix, np.array([1.0, -1.0]), np.zeros(2)), method)
     assert caught.value.proven
 

@@ -267,7 +267,9 @@ def test_chains_and_belts_that_turn_too_far_are_refused(
     tables["accuracy"], tables["positions"] = {"estimate": False}, {"count": 1}
     tables[body] |= softer
     tables["load"]["torque_Nm"] *= 3
-    with pytest.raises(fl.PremiseError, match=r"a rotation of body 1 under load of at most 0\.1 of a"):
+    with pytest.raises(
+        fl.PremiseError, match=r"a rotation of body 1 under load of at most 0\.1 of a"
+    ):
         solved(fl.Scene.from_dict(tables))
 
 
