@@ -22,6 +22,7 @@ EXACT, ROUNDING = 1e-6, 1e-12
 QUICK = {
     "accuracy.estimate": False,
     "accuracy.tangents": False,
+    "accuracy.unmodified_elements": True,
     "positions": {"count": 6},
 }
 RELIEF = {

@@ -164,11 +164,7 @@ EFFECTS = (
         "flank modifications",
         keys=tuple(f"body_*.{key}" for key in switches.MODIFICATIONS),
         called_for=switches.is_modified,
-        stages=("bodies", *BODIES),
-        work=Work(tangential_loads=1),
-        counters=("unit_loads_tangential",),
-        size_by="gaps",
-        of_teeth=True,
+        **OF_GAPS,
     ),
     Effect(
         "pitch_errors",
