@@ -225,5 +225,5 @@ def test_no_torque_needs_no_level() -> None:
 
 
 def test_conforming_flanks_have_no_place() -> None:
-    with pytest.raises(InputError, match="here flanks conform and touch over a length"):
+    with pytest.raises(InputError, match="here the flanks conform and touch over a length"):
         swept("spline", "lumped")

@@ -126,8 +126,8 @@ def test_thin_webs_yield_and_one_off_the_middle_tilts() -> None:
     assert aside.face_load_factor > 1.1
     along = aside.line_load_N_per_mm.sum(axis=1)[0]
     assert along[-3] > 1.2 * along[2]
-    assert any("slower where widths jump" in note for note in aside.warnings)
-    assert not any("slower where widths jump" in note for note in plain.warnings)
+    assert any("slowly where widths jump" in note for note in aside.warnings)
+    assert not any("slowly where widths jump" in note for note in plain.warnings)
 
 
 def test_the_mirror_image_of_a_helical_pair_has_mirrored_loads() -> None:

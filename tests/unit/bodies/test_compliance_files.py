@@ -112,7 +112,7 @@ def test_estimate_is_that_of_the_original(folder: Path) -> None:
     assert here["modes"] == there["modes"]
     # what elements miss is not known of a compliance from a file, and the result says so
     assert "elements" not in here
-    assert any("behind the compliance of body_1 and body_2 miss" in note for note in found.warnings)
+    assert any("imported compliance of body_1 and body_2" in note for note in found.warnings)
 
 
 def test_one_body_from_a_file_is_one_job_less(folder: Path, plain: fl.Result) -> None:

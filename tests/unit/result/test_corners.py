@@ -97,6 +97,6 @@ def test_each_slice_names_its_corner() -> None:
         for table in found.pair_tables
     )
     assert kinked == 7
-    said = [line for line in found.warnings if "body_2 works on the kink" in line]
+    said = [line for line in found.warnings if "body_2 touches with the kink" in line]
     assert said
     assert said[0].startswith("at 7 of 8 positions")

@@ -567,7 +567,9 @@ def test_an_impossible_scene_is_refused_like_a_run() -> None:
 
 def test_a_torque_that_breaks_a_premise_is_named_by_its_place_in_the_list() -> None:
     """A coarse run has the least and the largest torque only: the third of three was the second."""
-    with pytest.raises(fl.PremiseError, match=re.escape("load.torque_Nm[2]: expected flanks")):
+    with pytest.raises(
+        fl.PremiseError, match=re.escape("load.torque_Nm[2]: expected flank deflections")
+    ):
         fl.plan(scene_of(load__torque_Nm=[100, 200, 10000], positions__count=2))
 
 

@@ -52,7 +52,7 @@ def notes_of_sweep(
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"
         )
-    shaped = np.count_nonzero((found.site_corner == NOT_PARABOLIC).any(axis=1))
+    shaped = int(np.count_nonzero((found.site_corner == NOT_PARABOLIC).any(axis=1)))
     if shaped:
         yield (
             f"contact ends at a kink, a rounding or an edge of a flank at "
