@@ -43,7 +43,6 @@ EXACT = (
     "fe_solutions",
     "unit_loads_normal",
     "unit_loads_tangential",
-    "bore_reactions",
     "cut_columns",
     "stress_recoveries",
 )

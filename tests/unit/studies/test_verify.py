@@ -24,7 +24,7 @@ from flankload.studies.verification import deck_model
 from flankload.studies.verification.calculix import read_answer, run_deck, version_of
 from flankload.studies.verification.contact_places import Place, contact_places
 from flankload.studies.verification.deck import Deck, DeckFriction, Part, deck_text
-from flankload.studies.verification.deck_model import check_bodies, friction_of_deck, model_of
+from flankload.studies.verification.deck_model import friction_of_deck, model_of
 from flankload.studies.verification.triangles import (
     Triangles,
     quadratic,
@@ -322,6 +322,7 @@ def test_body_2_comes_from_where_it_stood_a_little_before(
     turned = pair.pairing.turns(np.array([0.0, sense * 2e-3]))[1]
     assert friction.back_rad == pytest.approx(turned[0] - turned[1], rel=SOLVER)
     assert friction.coefficients == (0.1, 0.1)
+    assert friction.center_distance_mm == 91.5
 
 
 def test_pairs_have_the_coefficients_of_their_teeth(pair: BodyPair) -> None:
@@ -336,7 +337,7 @@ def test_coefficients_along_a_flank_are_refused(pair: BodyPair) -> None:
 
 
 def test_flanks_slide_to_the_position_in_a_second_step(deck: Deck) -> None:
-    friction = DeckFriction((0.2, 0.0), 1e-3)
+    friction = DeckFriction((0.2, 0.0), 91.5, 1e-3)
     blocks = blocks_of(deck_text(replace(deck, friction=friction)))
     rows = [row for key, data in blocks if key == "*BOUNDARY" for row in data]
     assert [row for row in rows if "AXIS_2, 1" in row] == [
@@ -358,42 +359,6 @@ def test_flanks_slide_to_the_position_in_a_second_step(deck: Deck) -> None:
         np.testing.assert_allclose(moved + float(arm), 0.0, rtol=0, atol=SOLVER)
 
 
-def test_a_free_bore_follows_its_axis_in_the_mean(deck: Deck) -> None:
-    """A rotation about the axis and an oval bore satisfy the equations, a displacement does not."""
-    held = deck.parts[1]
-    assert held.weights is None
-    free = replace(held, weights=np.ones(held.held.size))
-    changed = replace(deck, parts=(deck.parts[0], free))
-    assert changed.unknowns == deck.unknowns + 2 * held.held.size - 3
-    blocks = blocks_of(deck_text(changed))
-    axis, first = deck.axis_node(2), 1 + len(deck.parts[0].nodes)
-    equations = []
-    for data in (data for key, data in blocks if key == "*EQUATION"):
-        terms = np.array([float(word) for row in data[1:] for word in row.split(",")])
-        if int(terms[0]) >= first:
-            equations.append(terms.reshape(-1, 3))
-    assert len(equations) == 3
-    assert "AXIS_2, 1, 1" in [row for key, data in blocks if key == "*BOUNDARY" for row in data]
-    x, y = (held.nodes - [91.5, 0.0]).T
-
-    def left(u: np.ndarray, turn: float) -> list[float]:
-        moved = {first + k: row for k, row in enumerate(u)} | {axis: np.array([turn])}
-        return [sum(f * moved[int(node)][int(c) - 1] for node, c, f in rows) for rows in equations]
-
-    scale = float(np.abs(held.nodes).max())
-    turned_bore = 1e-3 * np.column_stack([-y, x])
-    np.testing.assert_allclose(left(turned_bore, 1e-3), 0.0, atol=SOLVER * scale)
-    np.testing.assert_allclose(left(np.column_stack([x, -y]), 0.0), 0.0, atol=1e-4 * scale)
-    assert np.abs(left(np.column_stack([np.ones_like(x), np.zeros_like(y)]), 0.0)).max() > 0.5
-
-
-def test_a_deck_of_solids_holds_all_of_the_bore() -> None:
-    scene = scene_of(effects={"dimension": 3})
-    free = scene.replace({"body_2.bore": "torque"})
-    with pytest.raises(SceneError, match=r"body_2\.bore: expected 'held', since the deck turns"):
-        check_bodies(free)
-
-
 # --- the answer -----------------------------------------------------------------------------------
 def small_deck() -> Deck:
     """The deck whose output is kept, as far as the reader looks at it."""
@@ -413,7 +378,7 @@ def test_reader_takes_the_last_increment(tmp_path: Path) -> None:
 
 
 def test_with_friction_single_points_do_not_count() -> None:
-    deck = replace(small_deck(), friction=DeckFriction((0.1, 0.1), 1e-3))
+    deck = replace(small_deck(), friction=DeckFriction((0.1, 0.1), 91.5, 1e-3))
     pressure = read_answer(CALCULIX_OUTPUT, deck).pressure_MPa
     np.testing.assert_allclose(pressure, [1450.9, 1212.4], rtol=ROUND_OFF, atol=0)
 

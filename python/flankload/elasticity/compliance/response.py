@@ -9,15 +9,15 @@ import numpy as np
 
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.finite_elements import degrees_of, factored
-from flankload.elasticity.mean_motion import plane_reactions
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
+    CondensedSector,
     close_ring,
     condense,
+    segment_response,
     tooth_response,
     uniform_response,
 )
-from flankload.elasticity.sector_row import segment_response
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
-    from flankload.elasticity.condensed_sector import CondensedSector
     from flankload.elasticity.job_log import JobLog
 
 
@@ -157,10 +156,7 @@ def of_sector(
     else:
         if job.forces is not None:
             readings["fe_load_cases_growth"] = job.forces
-        reactions = None
-        if mesh.has_free_bore:
-            reactions = plane_reactions(mesh, job.body.material.young_modulus_MPa)
-        sector, free = condense(job.matrix, loads, mesh, readings, log, reactions)
+        sector, free = condense(job.matrix, loads, mesh, readings, log)
         for number in dict.fromkeys(sectors):
             found[number] = _built(job, sector, mesh, number)
     responses: dict[int | None, Response] = {}

@@ -12,7 +12,6 @@ import numpy as np
 
 from flankload.base.rounding import TIE
 from flankload.errors import ContactError, NoContactState
-from flankload.mechanisms.flank_pair.rims import LEAST_RIMS, held_rim
 from flankload.mechanisms.premises import (
     Broken,
     Premise,
@@ -45,15 +44,6 @@ GAP_TOLERANCE_UM = 1e-3
 #: Below it, a tip corner carries all the load at some positions, with unbounded pressure. Helical
 #: teeth have contact in another section of the width there: their overlap ratio counts as well.
 CONTACT_RATIO = Premise("contact_ratio", 1.0, "a contact ratio of at least 1")
-#: The support decides on such a rim: on external pairs of 17 to 60 teeth a free bore has 1.9 to 6.5
-#: times the peak-to-peak transmission error of a held one, on a ring of 60 teeth 4.5 times.
-RIMS = {
-    kind: Premise("rim", least, f'a held rim of at least {least:g} {unit}, or {key} = "torque"')
-    for kind, (_, least), unit, key in (
-        ("gear", LEAST_RIMS["gear"], "tooth heights", "bore"),
-        ("ring", LEAST_RIMS["ring"], "modules", "rim"),
-    )
-}
 #: Overlapping coast flanks carry load.
 BACKLASH = Premise(
     "backlash",
@@ -72,11 +62,6 @@ PRESSURE = Premise(
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
     """Premises that are violated at any load."""
-    for z, body in enumerate(pair.bodies, start=1):
-        rim = held_rim(body)
-        if rim is not None and rim.ratio < rim.least:
-            amount = f"{rim.ratio:.2f} {rim.unit} ({rim.thickness_mm:.3g} mm)"
-            yield Broken(RIMS[body.kind], f"body_{z}.{rim.held_at}", amount)
     mesh = pair.pairing.gear_geometry
     if mesh is None or mesh.total_contact_ratio >= CONTACT_RATIO.limit - TIE:
         return

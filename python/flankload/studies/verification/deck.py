@@ -39,10 +39,6 @@ PROBE_HELD = 0.1
 FLANKS, SOLID_SUPPORTS = "FLANKS", ("HELD_1, 3, 3", "HELD_2, 1, 3")
 
 
-#: Mean motions of a plane body.
-MEAN_MOTIONS = 3
-
-
 @dataclass(frozen=True)
 class Ties:
     """Nodes (k,) of thin layers that move as a face of a thick layer does.
@@ -68,8 +64,7 @@ class Part:
     """One body of a deck, at its place: nodes (N, 2) or (N, 3) in mm, cells (m, 6) or (m, 15).
 
     `flanks` are arrays (k, 2) of element and side (1 to 3), or face (3 to 5), of the surfaces of
-    each pair, layer by layer; `axis_mm` is x of the axis of the body. Solid bodies have ties. Where
-    only the mean motion of the held nodes is held, they have weights (h,), mm.
+    each pair, layer by layer. Solid bodies have ties.
     """
 
     nodes: Floats
@@ -77,20 +72,20 @@ class Part:
     held: Numbers
     flanks: tuple[Numbers, ...]
     material: Material
-    axis_mm: float = 0.0
     ties: Ties | None = None
-    weights: Floats | None = None
 
 
 @dataclass(frozen=True)
 class DeckFriction:
     """Friction of a deck: flanks slide to the position so that friction acts as in motion.
 
-    Each pair of the deck has a coefficient; `back_rad` is the rotation of body 2 from the requested
-    position to the previous one, at which sliding begins.
+    Each pair of the deck has a coefficient; `center_distance_mm` is the distance to the axis of
+    body 2, `back_rad` its rotation from the requested position to the previous one, at which
+    sliding begins.
     """
 
     coefficients: tuple[float, ...]
+    center_distance_mm: float
     back_rad: float
 
 
@@ -133,9 +128,7 @@ class Deck:
         found = 1
         for part in self.parts:
             tied = 0 if part.ties is None else part.ties.nodes.size
-            found += part.nodes.shape[1] * (len(part.nodes) - tied)
-            held = part.nodes.shape[1] * part.held.size
-            found -= held if part.weights is None else MEAN_MOTIONS
+            found += part.nodes.shape[1] * (len(part.nodes) - part.held.size - tied)
         return found
 
     def axis_node(self, body: int) -> int:
@@ -198,14 +191,12 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield from _ties(part, first_node)
         first_node += len(part.nodes)
         first_element += len(part.cells)
-    by_axis = deck.friction is not None or deck.parts[1].weights is not None
-    yield from _axis(deck, 1)
-    if by_axis:
-        yield from _axis(deck, 2)
+    yield from _axis(deck, 1, 0.0)
+    if deck.friction is not None:
+        yield from _axis(deck, 2, deck.friction.center_distance_mm)
     yield from _contact(deck)
     if deck.friction is None:
-        held = "AXIS_2, 1, 1" if by_axis else "HELD_2, 1, 2"
-        yield from ("*BOUNDARY", *((held,) if deck.plane else SOLID_SUPPORTS))
+        yield from ("*BOUNDARY", *(("HELD_2, 1, 2",) if deck.plane else SOLID_SUPPORTS))
         yield from _step(deck)
     else:
         yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.friction.back_rad)}")
@@ -260,46 +251,18 @@ def _equation(terms: list[tuple[int, int, float]]) -> Iterator[str]:
         yield ", ".join(f"{node}, {c}, {_number(f)}" for node, c, f in terms[k : k + 4])
 
 
-def _axis(deck: Deck, body: int) -> Iterator[str]:
-    """Let the held nodes of a body rotate about its axis: u = (-y, x) times rotation."""
+def _axis(deck: Deck, body: int, center_mm: float) -> Iterator[str]:
+    """Let the fixed nodes of a body rotate about its axis: u = (-y, x) times rotation."""
     axis, part = deck.axis_node(body), deck.parts[body - 1]
     first_node = 1 + sum(len(before.nodes) for before in deck.parts[: body - 1])
     yield f"*NODE, NSET=AXIS_{body}"
-    yield f"{axis}, {_number(part.axis_mm)}, 0., 0."
-    x, y = part.nodes[part.held, :2].T
-    if part.weights is not None:
-        yield from _mean_motion(first_node + part.held, (x - part.axis_mm, y), part.weights, axis)
-    else:
-        for node, x_held, y_held in zip((first_node + part.held).tolist(), x, y, strict=True):
-            yield from _equation([(node, 1, 1.0), (axis, 1, y_held)])
-            yield from _equation([(node, 2, 1.0), (axis, 1, part.axis_mm - x_held)])
+    yield f"{axis}, {_number(center_mm)}, 0., 0."
+    for node in part.held.tolist():
+        x, y = part.nodes[node, :2].tolist()
+        yield from _equation([(first_node + node, 1, 1.0), (axis, 1, y)])
+        yield from _equation([(first_node + node, 2, 1.0), (axis, 1, center_mm - x)])
     yield "*BOUNDARY"
     yield f"AXIS_{body}, 2, 3"
-
-
-def _mean_motion(
-    nodes: Numbers, places: tuple[Floats, Floats], weights: Floats, axis: int
-) -> Iterator[str]:
-    """Let the mean motion of nodes at places from the axis be the rotation of the axis.
-
-    Each of the three equations is solved for a displacement that the others do not contain.
-    """
-    x, y = places
-    rows = np.zeros((MEAN_MOTIONS, 2 * nodes.size + 1))
-    rows[0, :-1:2] = rows[1, 1:-1:2] = weights
-    rows[2, :-1:2], rows[2, 1:-1:2] = -weights * y, weights * x
-    rows[:, -1] = weights @ y, -weights @ x, -weights @ (x**2 + y**2)
-    first, last = 2 * int(x.argmax()), 2 * int(x.argmin())
-    solved = [first, first + 1, last + 1]
-    reduced = np.linalg.solve(rows[:, solved], rows)
-    for row, own in zip(reduced.tolist(), solved, strict=True):
-        terms = [own, *(k for k in range(len(row)) if k not in solved and row[k])]
-        yield from _equation(
-            [
-                (int(nodes[k // 2]), 1 + k % 2, row[k]) if k < 2 * nodes.size else (axis, 1, row[k])
-                for k in terms
-            ]
-        )
 
 
 def _contact(deck: Deck) -> Iterator[str]:

@@ -9,7 +9,6 @@ import numpy as np
 from msgspec import structs
 
 from flankload.base.rotation import turned
-from flankload.bodies import SectorMesh
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import is_spatial
@@ -19,7 +18,6 @@ from flankload.studies.verification.deck import Deck, DeckFriction, Part
 from flankload.studies.verification.triangles import (
     border_owners,
     held_nodes,
-    held_weights,
     moved,
     quadratic,
     refined,
@@ -86,9 +84,6 @@ def _refusals(scene: Scene) -> Iterator[tuple[str, str, str]]:
             if spec.kind not in ("gear", "mesh"):
                 external = "'gear' or 'mesh', since solid decks have external teeth"
                 yield f"{key}.kind", external, shown(spec.kind)
-            if spec.has_free_bore:
-                own = "rim" if spec.kind == "ring" else "bore"
-                yield f"{key}.{own}", f"'held', since {SHAFT}", "'torque'"
             for name, reason in NOT_SOLID.items():
                 if value := getattr(spec, name, None):
                     found = "a table" if name == "shaft" else shown(value)
@@ -175,6 +170,7 @@ def friction_of_deck(
     rows = np.searchsorted(pairing.sites, [place.site for place in places])
     return DeckFriction(
         coefficients=tuple(friction.coefficients[0, rows].tolist()),
+        center_distance_mm=pairing.center_distance_mm,
         back_rad=friction.sense * pairing.ratio * SLIDING_RAD,
     )
 
@@ -242,7 +238,4 @@ def _part(
     nodes, cells, middles = quadratic(mesh)
     faces = border_owners(mesh) + np.array([0, 1])
     sides = tuple(faces[mesh.border.flank == k] for k in range(len(flanks)))
-    held, weights = held_nodes(mesh, middles), None
-    if isinstance(body.mesh, SectorMesh) and body.mesh.has_free_bore:
-        weights = held_weights(mesh, middles)
-    return Part(nodes, cells, held, sides, body.material, axis_mm=shift, weights=weights)
+    return Part(nodes, cells, held_nodes(mesh, middles), sides, body.material)
