@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.arguments import require
+from flankload.base.arguments import require, require_path
 from flankload.base.files import would_replace, write_atomically
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
@@ -74,6 +74,7 @@ def write_vtu(
     scene = scene_of(scene)
     fits = isinstance(results, Result | Sequence)
     require("results", results, "a Result or a sequence of them", fits=fits)
+    require_path("folder", folder)
     several = tuple(results) if isinstance(results, Sequence) else results.by_torque
     chosen = checked_positions(several, positions)
     for key, file in scene.files.items():

@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import fontManager
 
+from flankload.base.arguments import require_path
 from flankload.base.files import write_atomically
 
 if TYPE_CHECKING:
@@ -108,6 +109,7 @@ def png_of(figure: Figure) -> bytes:
 
 def write_pictures(directory: str | Path, drawn: Mapping[str, bytes]) -> tuple[Path, ...]:
     """Write pictures by their names to a folder, which is created if it does not exist."""
+    require_path("directory", directory)
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in drawn.items():

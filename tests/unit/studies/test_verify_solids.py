@@ -437,7 +437,7 @@ def test_size_is_known_before_the_scene_is_solved(monkeypatch: pytest.MonkeyPatc
         fl.verify(SKEWED, most_unknowns=exact // 2, **options)
     with pytest.raises(AssertionError, match="solved"):
         fl.verify(SKEWED, progress=lambda *one: reached.append(one), **options)
-    ((stage, done, _, left_s),) = reached
+    (_, (stage, done, _, left_s)) = reached
     assert (done, left_s) == (0, None)
     assert abs(int(re.sub(r"\D", "", stage)) / exact - 1.0) < COARSE_SIZE
 

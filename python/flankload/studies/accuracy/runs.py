@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from flankload.base.digest import digest_of
-from flankload.base.files import LARGEST_TABLE, read_file, write_atomically
+from flankload.base.files import read_file, write_atomically
 from flankload.cost import Account
 from flankload.errors import FlankloadError, PremiseError
 from flankload.mechanisms import Progress, run_once
@@ -77,7 +77,7 @@ class Runs:
 
     def _read(self, file: Path) -> None:
         try:
-            lines = read_file(file, LARGEST_TABLE).decode().splitlines()
+            lines = read_file(file).decode().splitlines()
             head = json.loads(lines[0]) if lines else self._head
             runs = [_from_line(line) for line in lines[1:]]
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from flankload.base.arrays import Floats
-    from flankload.studies.verification.comparison import Layers, Verification
+    from flankload.studies.verification.compared import Layers, Verification
 
 
 #: Names of values in a tree: of the position, and of flankload's solution.
