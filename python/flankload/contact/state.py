@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
 from flankload.contact.problem import DEFINITE, METHOD_NAMES, ContactProblem
-from flankload.contact.status import Status
+from flankload.contact.status import Status, status_text
 from flankload.errors import (
     ContactError,
     InputError,
@@ -220,11 +220,11 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
         return _singular(problem, answer.motion)
     if code == Status.OUT_OF_RANGE:
         return InputError(
-            "loads: expected units in which forces, gaps and motions lie within 1e-308 … 1e308 "
-            "beside loads and gaps, found others",
+            "loads: expected units in which forces, gaps and motions lie between 1e-308 and 1e308, "
+            "found units in which they do not",
             code=code,
         )
-    return InputError(f"the core refused the problem (code {code})", code=code)
+    return InputError(f"{status_text(code)} (code {code})", code=code)
 
 
 def _singular(problem: ContactProblem, motion: Vector) -> SingularContact:
@@ -248,9 +248,9 @@ def _no_state(answer: CoreAnswer, held: Vector) -> NoContactState:
     """The exception with the information whether no state exists or none was found."""
     proven = bool(answer.counters[4])
     message = (
-        "no contact state balances these loads"
+        status_text(Status.NO_CONTACT_STATE)
         if proven
-        else "no state was found; the matrix does not rule out that there is one"
+        else "no contact state was found; that none exists is not proven"
     )
     if answer.motion.any():
         message += ": free to move along " + ", ".join(f"{part:g}" for part in answer.motion)

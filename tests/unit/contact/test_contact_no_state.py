@@ -158,7 +158,7 @@ def test_several_motions(method: str) -> None:
 def test_two_pairs_without_a_state_are_proven(method: str) -> None:
     matrix = np.array([[2.0, 1.0], [1.0, 1.5]])
     with pytest.raises(
-        errors.NoContactState, match="no contact state balances these loads"
+        errors.NoContactState, match="no contact state is in equilibrium with these loads"
     ) as caught:
         solve((matrix, np.array([1.0, -1.0]), np.zeros(2)), method)
     assert caught.value.proven
@@ -173,7 +173,8 @@ def test_loads_that_no_forces_hold_are_proven() -> None:
 @pytest.mark.parametrize(("n", "proven"), [(2, True), (40, True), (300, False)])
 def test_what_is_not_proven_is_said_to_be_open(n: int, proven: bool) -> None:
     """The same jamming each time; for 300 pairs the proof would take too long."""
-    message = "no contact state balances these loads" if proven else "no state was found"
+    found = "is in equilibrium with these loads" if proven else "was found; that none exists"
+    message = f"no contact state {found}"
     with pytest.raises(errors.NoContactState, match=message) as caught:
         solve(jamming(n), "auto")
     assert caught.value.proven == proven
