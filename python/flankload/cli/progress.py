@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections import deque
+from statistics import median_low
 from threading import Event, Thread, Timer
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self
@@ -20,13 +22,16 @@ LONG_S = 10.0
 LINE_S = 60.0
 #: Least time, s, from which the rest is extrapolated: shorter ones are mostly those of first calls.
 LEAST_S = 0.3
+#: Number of the last steps whose median time is that of the steps to come.
+LAST_STEPS = 32
 
 
 class TimeLeft:
     """Time left of a computation, from the time that its steps have taken so far.
 
-    Steps of one phase take the same time; those of a finished phase, such as finite elements before
-    the states, do not count.
+    A step to come takes the median time of the last ones of its phase, so that one long step, such
+    as a factorization before many loads, is not multiplied. Steps of a finished phase, such as
+    finite elements before the states, do not count.
 
     Parameters
     ----------
@@ -44,7 +49,9 @@ class TimeLeft:
     ) -> None:
         self._end_of, self._now = end_of, now
         self._start_s = now()
-        self._phase: tuple[int, int, float] | None = None  # its end; first step, when it began
+        self._end = -1  # of the phase
+        self._reached, self._began_s, self._last_s = 0, 0.0, 0.0
+        self._step_s: deque[float] = deque(maxlen=LAST_STEPS)
 
     @property
     def spent_s(self) -> float:
@@ -53,14 +60,16 @@ class TimeLeft:
 
     def after(self, stage: str, done: int, total: int) -> float | None:
         """Least seconds left when steps are done: those of the phase; None if unknown."""
-        end = self._end_of(stage, total)
-        if self._phase is None or self._phase[0] != end:
-            self._phase = end, done, self._now()
-        _, first, began = self._phase
-        spent = self._now() - began
-        if done <= first or spent < LEAST_S:
+        end, now = self._end_of(stage, total), self._now()
+        if end != self._end:
+            self._end, self._reached, self._began_s, self._last_s = end, done, now, now
+            self._step_s.clear()
+        elif done > self._reached:
+            self._step_s.append((now - self._last_s) / (done - self._reached))
+            self._reached, self._last_s = done, now
+        if not self._step_s or now - self._began_s < LEAST_S:
             return None
-        return max(0, end - done) * spent / (done - first)
+        return max(0, end - done) * median_low(self._step_s)
 
 
 def in_words(seconds: float) -> str:

@@ -47,6 +47,17 @@ def test_states_do_not_take_as_long_as_elements() -> None:
     assert left.after("sweep", total - 50, total) == pytest.approx(1.0, rel=1e-12)
 
 
+def test_a_factorization_is_not_taken_for_each_of_the_loads_behind_it() -> None:
+    """A helical pair of 5 s was announced with minutes after its first, long step."""
+    clock = Clock()
+    left = TimeLeft(now=clock)
+    left.after("compliance body 1", 0, 100)
+    for done, seconds in ((1, 0.1), (2, 2.0)):
+        clock.now += seconds
+        rest = left.after("compliance body 1", done, 100)
+    assert rest == pytest.approx(9.8, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("seconds", "words"), [(12.4, "12 s"), (90.0, "90 s"), (600.0, "10 min"), (7200.0, "2.0 h")]
 )
