@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from tests.support.tally import Tally
 
 #: Of a whole run.
-CONTACT_PROBLEMS, SCENES, MESHES, WRITES, INTERRUPTS = 30_000, 3250, 520, 600, 100
+CONTACT_PROBLEMS, SCENES, SPATIAL_SCENES, MESHES = 30_000, 3250, 500, 520
+WRITES, INTERRUPTS = 600, 100
 
 
 def run(seed: int = 1, part: float = 1.0) -> str:
@@ -33,12 +34,14 @@ def run(seed: int = 1, part: float = 1.0) -> str:
 def _tallies(seed: int, part: float) -> Iterator[Tally]:
     from tests.benchmarks._fuzz_meshes import fuzz_meshes
     from tests.benchmarks._fuzz_scenes import fuzz_scenes
+    from tests.benchmarks._fuzz_spatial import fuzz_spatial
     from tests.benchmarks._fuzz_writes import fuzz_interrupts, fuzz_writes
     from tests.support.contact_fuzz import fuzz_contact
 
     for fuzz, count in (
         (fuzz_contact, CONTACT_PROBLEMS),
         (fuzz_scenes, SCENES),
+        (fuzz_spatial, SPATIAL_SCENES),
         (fuzz_meshes, MESHES),
         (fuzz_writes, WRITES),
         (fuzz_interrupts, INTERRUPTS),

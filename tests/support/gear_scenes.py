@@ -65,7 +65,7 @@ def resized(table: Mapping[str, Any], size: float) -> dict[str, Any]:
         power = next((GROWTH[end] for end in reversed(GROWTH) if key.endswith(end)), 0)
         if isinstance(value, Mapping):
             found[key] = resized(value, size)
-        elif key == "friction_coefficient":
+        elif key == "friction_coefficient" and isinstance(value, list | tuple):
             found[key] = [[size * place, coefficient] for place, coefficient in value]
         elif isinstance(value, list | tuple):
             found[key] = [size**power * entry for entry in value] if power else value

@@ -34,7 +34,7 @@ def scenes(count: int, *, seed: int = SEED) -> list[tuple[str, Scene]]:
 def _scenes(count: int, seed: int) -> tuple[tuple[str, Scene], ...]:
     found: list[tuple[str, Scene]] = []
     rng = np.random.default_rng(seed)
-    draws = {"gears": _gears, "ring": _ring, "spline": _spline, "cam": _cam}
+    draws = {"gears": draw_gears, "ring": draw_ring, "spline": draw_spline, "cam": _cam}
     while len(found) < count:
         kind = KINDS[len(found) % len(KINDS)]
         scene = draws[kind](rng)
@@ -56,10 +56,10 @@ def spatial_scenes(count: int, *, seed: int = SEED) -> tuple[Scene, ...]:
     found: list[Scene] = []
     rng = np.random.default_rng(seed)
     while len(found) < count:
-        scene = _gears(rng)
+        scene = draw_gears(rng)
         if scene is None:
             continue
-        _extend(scene, rng)
+        extend(scene, rng)
         try:
             build_bodies(fl.Scene.from_dict(scene))
         except FlankloadError:
@@ -68,7 +68,7 @@ def spatial_scenes(count: int, *, seed: int = SEED) -> tuple[Scene, ...]:
     return tuple(found)
 
 
-def _extend(scene: Scene, rng: np.random.Generator) -> None:
+def extend(scene: Scene, rng: np.random.Generator) -> None:
     """Give a pair of gears widths, mostly a helix of the same transverse section, and errors."""
     helix = radians(rng.uniform(0, 30)) * (rng.random() < 0.75)
     module, c, pair = scene["body_1"]["module_mm"], cos(helix), scene["pair"]
@@ -77,14 +77,15 @@ def _extend(scene: Scene, rng: np.random.Generator) -> None:
     pair["face_width_mm"] = width
     for name, hand in (("body_1", "right"), ("body_2", "left")):
         body = scene[name]
+        inside = body["kind"] == "ring"
         if helix:
             body |= {
                 "module_mm": module * c,
                 "pressure_angle_deg": degrees(atan(tan(ANGLE) * c)),
                 "profile_shift": body["profile_shift"] / c,
-                "dedendum_factor": 1.25 / c,
                 "helix_angle_deg": degrees(helix),
-                "hand": hand,
+                "hand": "right" if inside else hand,
+                **({} if inside else {"dedendum_factor": 1.25 / c}),
             }
         if rng.random() < 0.5:
             body["lead_crowning_um"] = float(rng.uniform(1, 4 + module))
@@ -127,7 +128,7 @@ def _modified(rng: np.random.Generator, module: float, tip: float, outward: int)
     return keys
 
 
-def _gears(rng: np.random.Generator) -> Scene | None:
+def draw_gears(rng: np.random.Generator) -> Scene | None:
     """Two external gears; None if the drawn keys give no pair."""
     teeth = [int(rng.integers(14, 40)), int(rng.integers(14, 90))]
     module, working = float(rng.uniform(1, 8)), radians(rng.uniform(18, 25))
@@ -174,7 +175,7 @@ def _gears(rng: np.random.Generator) -> Scene | None:
     }
 
 
-def _ring(rng: np.random.Generator) -> Scene:
+def draw_ring(rng: np.random.Generator) -> Scene:
     """A pinion in a ring on their reference circles, with equal profile shifts."""
     module = float(rng.uniform(1.5, 6))
     pinion = int(rng.integers(17, 34))
@@ -216,7 +217,7 @@ def _ring(rng: np.random.Generator) -> Scene:
     }
 
 
-def _spline(rng: np.random.Generator) -> Scene:
+def draw_spline(rng: np.random.Generator) -> Scene:
     """A toothed coupling with rounded tips; half of them with offset axes."""
     module, teeth = float(rng.uniform(1, 4)), int(rng.integers(12, 31))
     diameter, width = module * teeth, float(rng.uniform(8, 18)) * module

@@ -11,6 +11,7 @@ import numpy as np
 
 from tests.support.paths import SCENES
 from tests.support.random_scenes import scenes
+from tests.support.random_spatial_scenes import COARSE, spatial_scene
 
 Tree = dict[str, Any]
 KINDS = (
@@ -21,6 +22,10 @@ NUMBERS = (
     0, -1, 1, 2, 3, 0.5, 1e-3, 1e3, 1e5, 1e9, 1e12, 1e-12, 1e300, -1e300, 1e-300, 5e-324, 10**400,
 )  # fmt: skip
 WORDS = ("", " ", "日本語", "$\\frac{1$", "a" * 5000, "\x00", "gear", "../nothing.msh", "−1")
+#: Seed of the base scenes in three dimensions, and their number.
+SPATIAL = (7, 6)
+#: Examples in three dimensions, which take seconds as they are.
+SPATIAL_EXAMPLES = ("helical_gear", "internal_helical", "crowned_coupling", "pinion_shaft")
 #: Effects as a user may request them, individually and combined.
 EFFECTS: tuple[Tree, ...] = (
     {"friction_coefficient": 0.08},
@@ -60,20 +65,26 @@ OTHER: tuple[tuple[str, Tree], ...] = (
 @cache
 def bases() -> tuple[Tree, ...]:
     """Scenes of examples, at random and from a drawing, with few positions and coarse elements."""
-    trees = []
+    trees, spatial = [], []
     for file in sorted(SCENES.glob("*.toml")):
         tree = tomllib.loads(file.read_text(encoding="utf-8"))
         for body in ("body_1", "body_2"):
             if "file" in tree[body]:
                 tree[body]["file"] = str((SCENES / tree[body]["file"]).resolve())
-        trees.append(tree)
+        (spatial if file.stem in SPATIAL_EXAMPLES else trees).append(tree)
     trees += [copy.deepcopy(scene) for _, scene in scenes(6)]
     gear = {"kind": "gear", "module_mm": 4.5, "addendum_factor": 1.0, "bore_diameter_mm": 30}
     gear |= {"tip_relief_um": 20, "tip_relief_length": "long"}
     derived = {"body_1": {**gear, "teeth": 16}, "body_2": {**gear, "teeth": 24}}
     pair = {"normal_backlash_um": 80, "face_width_mm": 14}
     trees.append({**derived, "pair": pair, "load": {"torque_Nm": 302}})
-    return tuple(_coarse(tree) for tree in trees)
+    spatial = [_coarse(tree) for tree in spatial]
+    for tree in spatial:
+        tree["accuracy"] |= COARSE | {"slices": 8}
+    seed, count = SPATIAL
+    rng = np.random.default_rng(seed)
+    spatial += [spatial_scene(rng) for _ in range(count)]
+    return (*map(_coarse, trees), *spatial)
 
 
 def _coarse(tree: Tree) -> Tree:
