@@ -1,8 +1,12 @@
 """The command `flankload` as a process, also `python -m flankload`; handles Ctrl-C."""
 
+from __future__ import annotations
+
+import _thread
 import os
 import signal
 import sys
+import time
 from io import TextIOWrapper
 from types import FrameType
 from typing import NoReturn
@@ -14,6 +18,8 @@ SHOW_CURSOR = b"\x1b[?25h"
 #: Read when libraries are loaded. The seconds of `accuracy` are those of one thread by default, and
 #: each worker of `study` has one.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+#: After this time the finalizer in which an interrupt came has ended, s.
+REPEAT_S = 1e-3
 
 
 def command() -> int:
@@ -28,6 +34,7 @@ def command() -> int:
     # a shell that starts this in the background ignores Ctrl-C for it, and that is preserved
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _on_interrupt)
+        sys.unraisablehook = _on_ignored
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # letters that the terminal lacks
@@ -72,6 +79,22 @@ def _on_interrupt(_: int, frame: FrameType | None) -> NoReturn:
             os._exit(INTERRUPTED)
         frame = frame.f_back
     raise KeyboardInterrupt
+
+
+def _on_ignored(ignored: sys.UnraisableHookArgs) -> None:
+    """Repeat an interrupt that came in a finalizer or a callback of a weak reference.
+
+    Python prints an exception that is raised there, and the program continues.
+    """
+    if issubclass(ignored.exc_type, KeyboardInterrupt):
+        _thread.start_new_thread(_interrupt_again, ())
+    else:
+        sys.__unraisablehook__(ignored)
+
+
+def _interrupt_again() -> None:
+    time.sleep(REPEAT_S)
+    os.kill(os.getpid(), signal.SIGINT)  # unlike interrupt_main, it also ends a wait
 
 
 if __name__ == "__main__":

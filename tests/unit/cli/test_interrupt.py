@@ -72,6 +72,25 @@ def test_interrupted_process_ends_with_one_line_and_no_files(
     assert sorted(tmp_path.iterdir()) == [scene]
 
 
+def test_interrupt_of_a_finalizer_ends_the_process() -> None:
+    """Regression: Python printed it with its traceback, and the run continued to exit code 0."""
+    program = """
+import signal, sys, time, weakref
+import flankload.cli
+from flankload.__main__ import command
+def run():
+    finalized = set()
+    reference = weakref.ref(finalized, lambda _: signal.raise_signal(signal.SIGINT))
+    del finalized
+    time.sleep(10)
+    return 0
+flankload.cli.main = run
+sys.exit(command())
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (130, "flankload: interrupted\n")
+
+
 def test_interrupted_solve_raises_and_solves_again(scene: Path) -> None:
     """In Python it is an exception like any other: the core has stopped, the next call works."""
     program = f"""
