@@ -11,12 +11,14 @@ module flankload_slice_coupling
     use flankload_near_field, only: new_image
     use flankload_polar_geometry, only: part_in_section
     use flankload_position_zones, only: body_type, lever_share, position_type
+    use flankload_shaft_influence, only: add_shaft, directed_type, directed_zones, slide_shaft, &
+        & wrenches_on
     use flankload_slice_field, only: add_segment_field, flank_of, middle_of, segment_type, &
-        & shaft_type, sliced_compliance, sliced_tangential, slices_type, tangential_field, width_of
+        & sliced_compliance, sliced_tangential, slices_type, tangential_field, width_of
     implicit none
     private
 
-    public :: check_slices, couple_slices, load_slices, segments_of, widen_slices, wrench_on
+    public :: check_slices, couple_slices, load_slices, segments_of, widen_slices
 
 contains
 
@@ -65,6 +67,7 @@ contains
         type(position_type), intent(inout) :: position
 
         integer :: z, n
+        type(directed_type) :: at
         real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :), kernel_1(:), kernel_2(:), one(:)
 
         n = size(position%zones)
@@ -97,10 +100,11 @@ contains
         end associate
         position%kernel = kernel_1 + kernel_2
         position%smooth = smooth_1 + smooth_2
-        if (allocated(body_1%shaft)) call add_shaft(body_1%shaft, wrenches_on(body_1, body_1, &
-            & position%zones), position%smooth)
-        if (allocated(body_2%shaft)) call add_shaft(body_2%shaft, wrenches_on(body_2, body_1, &
-            & position%zones), position%smooth)
+        at = directed_zones(body_1%slices, position%zones)
+        if (allocated(body_1%shaft)) call add_shaft(body_1%shaft, wrenches_on(body_1, at%point, &
+            & at%normal), position%smooth)
+        if (allocated(body_2%shaft)) call add_shaft(body_2%shaft, wrenches_on(body_2, at%point, &
+            & at%normal), position%smooth)
         if (allocated(body_1%friction)) call couple_sliding(body_1, body_2, position)
     end subroutine couple_slices
 
@@ -117,109 +121,20 @@ contains
         !> Position with zones of slices
         type(position_type), intent(inout) :: position
 
+        real(wp) :: one(size(position%zones))
+        type(directed_type) :: at
+
+        one = 1.0_wp
         associate (zones => position%zones, slices => body_1%slices)
             position%tangential = -tangential_field(body_1%compliance, body_2%compliance, &
                 & segments_of(slices, zones), 0.5_wp*usual_half_width*position%flank_length) &
                 & - sliced_tangential(body_1%compliance, slices, zones%site, zones%nearest%s_1) &
                 & - sliced_tangential(body_2%compliance, slices, zones%site, zones%nearest%s_2)
-            if (allocated(body_1%shaft)) call slide_shaft(body_1, body_1, zones, &
-                & position%tangential)
-            if (allocated(body_2%shaft)) call slide_shaft(body_2, body_1, zones, &
-                & position%tangential)
+            at = directed_zones(slices, zones)
+            if (allocated(body_1%shaft)) call slide_shaft(body_1, at, one, position%tangential)
+            if (allocated(body_2%shaft)) call slide_shaft(body_2, at, one, position%tangential)
         end associate
     end subroutine couple_sliding
-
-    !> Subtract wᵀ S w_t: normal displacement of a body due to its shaft and bearings under forces
-    !> along the flanks.
-    pure subroutine slide_shaft(body, body_1, zones, tangential)
-        !> The body, with a shaft
-        type(body_type), intent(in) :: body
-        !> Body 1, whose helix and slices are those of the pair
-        type(body_type), intent(in) :: body_1
-        !> The zones
-        type(zone_type), intent(in) :: zones(:)
-        !> Normal displacement per unit force along flank 1 [mm/N], shape (zones, zones)
-        real(wp), intent(inout) :: tangential(:, :)
-
-        tangential = tangential - matmul(transpose(wrenches_on(body, body_1, zones)), &
-            & matmul(body%shaft%compliance, wrenches_on(body, body_1, zones, along=.true.)))
-    end subroutine slide_shaft
-
-    !> Return unit forces along the normals of the zones, or along flank 1, and their moments about
-    !> the section of a shaft.
-    pure function wrenches_on(body, body_1, zones, along) result(wrenches)
-        !> The body, with a shaft
-        type(body_type), intent(in) :: body
-        !> Body 1, whose helix and slices are those of the pair
-        type(body_type), intent(in) :: body_1
-        !> Zones, whose levers are those of the normals in space
-        type(zone_type), intent(in) :: zones(:)
-        !> True for forces along flank 1, in the plane of the section
-        logical, intent(in), optional :: along
-        !> Forces and moments [-, mm], shape (6, zones)
-        real(wp) :: wrenches(6, size(zones))
-
-        integer :: k
-        logical :: slides
-        real(wp) :: tangent(2), n(3)
-
-        slides = .false.
-        if (present(along)) slides = along
-        do k = 1, size(zones)
-            associate (place => zones(k)%nearest)
-                tangent = place%tangent_1
-                if (abs(zones(k)%corner) == 1) tangent = place%tangent_2
-                ! sign such that the lever about axis 1 is positive on all flanks
-                tangent = -sign(1.0_wp, dot_product(place%point_1, tangent))*tangent
-                n = [zones(k)%cosine*tangent(2), -zones(k)%cosine*tangent(1), &
-                    & -body_1%compliance%twist*zones(k)%lever]
-                if (slides) n = [-tangent, 0.0_wp]
-                wrenches(:, k) = wrench_on(body, place%point_1, middle_of(body_1%slices, &
-                    & zones(k)%site), n)
-            end associate
-        end do
-    end function wrenches_on
-
-    !> Return a unit force and its moment about the section of a shaft.
-    pure function wrench_on(body, point, z, direction) result(wrench)
-        !> The body, with a shaft
-        type(body_type), intent(in) :: body
-        !> Point in the transverse plane, and its axial position [mm]
-        real(wp), intent(in) :: point(2)
-        real(wp), intent(in) :: z
-        !> Direction of the force
-        real(wp), intent(in) :: direction(3)
-        !> Force and moment [-, mm]
-        real(wp) :: wrench(6)
-
-        real(wp) :: r(3)
-
-        r = [point - body%origin, z - body%shaft%z]
-        wrench(:3) = direction
-        wrench(4:) = [r(2)*direction(3) - r(3)*direction(2), r(3)*direction(1) &
-            & - r(1)*direction(3), r(1)*direction(2) - r(2)*direction(1)]
-    end function wrench_on
-
-    !> Add wᵀ S w: normal displacement of a body due to its shaft and bearings, between all flanks.
-    pure subroutine add_shaft(shaft, wrenches, matrix)
-        !> The shaft
-        type(shaft_type), intent(in) :: shaft
-        !> Unit forces and their moments, shape (6, zones)
-        real(wp), intent(in) :: wrenches(:, :)
-        !> Compliance between the zones [mm/N], symmetric to the last bit, shape (zones, zones)
-        real(wp), intent(inout) :: matrix(:, :)
-
-        integer :: i, j
-        real(wp) :: moved(6)
-
-        do j = 1, size(wrenches, 2)
-            moved = matmul(shaft%compliance, wrenches(:, j))
-            do i = 1, j
-                matrix(i, j) = matrix(i, j) + dot_product(wrenches(:, i), moved)
-                matrix(j, i) = matrix(i, j)
-            end do
-        end do
-    end subroutine add_shaft
 
     !> Set the quantities that depend on the torque by the width of the contacts, as if one flank
     !> carried all of it, evenly over its length.
