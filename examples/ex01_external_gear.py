@@ -24,7 +24,7 @@ def main() -> None:
     print(f"  transmission error   mean {summary['transmission_error_mean_um']:.2f} um,")
     print(f"    peak to peak       {summary['transmission_error_peak_to_peak_um']:.2f} um")
     print(f"  contact ratio        {summary['contact_ratio_under_load']:.3f} under load")
-    print(f"  largest pressure     {summary['peak_pressure_off_corners_MPa']:.0f} MPa off corners")
+    print(f"  largest pressure     {summary['peak_pressure_MPa']:.0f} MPa")
 
     # Who carries at the position that is a quarter of a pitch after the pitch point?
     p = len(result.position_rad) // 4

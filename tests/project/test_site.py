@@ -98,7 +98,7 @@ def test_every_quantity_of_a_result_is_in_the_reference() -> None:
 def is_named(name: str, described: set[str]) -> bool:
     """Whether the text has the name, or the quantity of which it is a mean, a pair or a place."""
     stem = re.sub(r"_(position_rad|pair)$", "", name)
-    quantity = stem.replace("_mean", "").replace("off_corners_MPa", "off_corners")
+    quantity = stem.replace("_mean", "")
     return any(other.startswith(stem) or other.startswith(quantity) for other in described)
 
 

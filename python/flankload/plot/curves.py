@@ -224,7 +224,7 @@ def draw_peak_pressure(axes: Axes, results: Results) -> None:
     error_note = "" if error is None else f" (estimated error {100 * error:.2g} %)"
     _explain_jumps(axes, results[-1], (0.01, 0.98), error_note)
     # meaningless values must not compress the range of the others
-    smooth = max(result.summary["peak_pressure_off_corners_MPa"] for result in results)
+    smooth = max(result.summary["peak_pressure_MPa"] or 0.0 for result in results)
     axes.set_ylim(0, 1.25 * smooth if smooth > 0 else None)
     if len(results) > 1:
         pressures = [result.peak_pressure_MPa for result in results]
@@ -452,7 +452,7 @@ QUANTITIES: dict[str, tuple[str, str | Callable[[Result], float]]] = {
         "transmission_error_peak_to_peak_um",
     ),
     "transmission_error_mean": ("transmission error,\nmean in µm", "transmission_error_mean_um"),
-    "peak_pressure": ("peak pressure off\ncorners in MPa", "peak_pressure_off_corners_MPa"),
+    "peak_pressure": ("peak pressure off\ncorners in MPa", "peak_pressure_MPa"),
     "stiffness": ("tangent stiffness,\nmean in N/µm", "stiffness_tangent_mean_N_per_um"),
     "tooth_force": ("largest force on\na tooth in N", _largest_force),
 }

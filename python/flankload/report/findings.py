@@ -70,7 +70,7 @@ def _without_estimate(results: Sequence[Result]) -> Iterator[str]:
             f"no error estimate under {', '.join(missing)} N m: the scene switches it off "
             "(accuracy.estimate = false)"
         )
-    if any(one.summary["peak_pressure_at_corner"] for one in results):
+    if any(one.summary["corner_pressure_pair"] is not None for one in results):
         yield (
             "no finite pressure exists at sharp corners: pressures there are left out of the key "
             "figures and drawn dashed"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.rotation import all_around, directions
+from flankload.result.corners import off_corners
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -104,7 +105,7 @@ def _positions(result: Result) -> list[int]:
 
 def _start(result: Result) -> int:
     """Position of the largest meaningful pressure, or of the largest force."""
-    smooth = np.where(result.corner_contact, 0.0, result.peak_pressure_MPa).max(axis=1)
+    smooth = off_corners(result).max(axis=1)
     value = smooth if smooth.max() > 0 else result.site_force_N.max(axis=1)
     order = np.argsort(result.position_rad, kind="stable")
     return int(np.argmax(value[order]))
@@ -185,9 +186,7 @@ def _hole(radius: float | None, largest: float) -> str:
 def _scales_of(results: Sequence[Result]) -> tuple[float, float]:
     """Largest force, N, and largest pressure off corners, MPa, of all torques."""
     force = max(float(one.site_force_N.max()) for one in results)
-    pressure = max(
-        float(np.where(one.corner_contact, 0.0, one.peak_pressure_MPa).max()) for one in results
-    )
+    pressure = max(one.summary["peak_pressure_MPa"] or 0.0 for one in results)
     return force or 1.0, pressure or 1.0
 
 

@@ -1,4 +1,4 @@
-"""Warnings about sharp corners of flanks in contact, with the key that removes each corner."""
+"""Sharp corners in contact: pressures off and on them, warnings with the key that removes each."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from flankload.base.arrays import Floats
     from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
     from flankload.pairing.body_pair import BodyPair
+    from flankload.result.optional_results import CoastContact
+    from flankload.result.result import Result
 
 #: Labels of the curve before and behind a corner: its name, and the key that removes it. Other
 #: corners are the end of the curve.
@@ -42,6 +45,22 @@ TIP = ("its sharp tip corner", "{body}.tip_radius_mm rounds it")
 CUT = ("the end of its active flank", "the tip or fillet beyond it is excluded from contact")
 #: For bodies with an imported profile.
 OF_FILE = ("a sharp corner of its flank", "a rounding there avoids it")
+
+
+def off_corners(contact: Result | CoastContact) -> Floats:
+    """Pressures (P, S) that are finite on finer cells: 0 on sharp corners.
+
+    NaN everywhere if all loaded contacts are on sharp corners.
+    """
+    corner = contact.corner_contact & (contact.peak_pressure_MPa > 0)
+    smooth = np.where(corner, 0.0, contact.peak_pressure_MPa)
+    alone = corner.any() and not smooth.any()
+    return np.full_like(smooth, np.nan) if alone else smooth
+
+
+def on_corners(contact: Result | CoastContact) -> Floats:
+    """Pressures (P, S) on sharp corners, where they grow without limit on finer cells; 0 else."""
+    return np.where(contact.corner_contact, contact.peak_pressure_MPa, 0.0)
 
 
 def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.result.forms import ResultForms
 from flankload.result.harmonics import over_positions
 from flankload.result.optional_results import EffectResults
-from flankload.result.summary import key_figures, summary
+from flankload.result.summary import Summary, key_figures, summary
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -25,7 +25,7 @@ FIGURES = {
     "transmission_error_mean_um": "transmission_error_mean",
     "transmission_error_peak_to_peak_um": "transmission_error_peak_to_peak",
     "contact_ratio_under_load": "",
-    "peak_pressure_off_corners_MPa": "peak_pressure",
+    "peak_pressure_MPa": "peak_pressure",
 }
 
 
@@ -136,12 +136,12 @@ class Result(EffectResults, ResultForms):
             return self.load_sharing_factor
 
     @cached_property
-    def key_figures(self) -> dict[str, Any]:
+    def key_figures(self) -> Summary:
         """Part of the summary that follows from few curves: its entries up to the pressures."""
         return key_figures(self)
 
     @cached_property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Summary:
         """Summary of a report.
 
         `transmission_error_mean_um` (over the period; for uneven positions the integral of the
@@ -152,9 +152,11 @@ class Result(EffectResults, ResultForms):
         twice, ... in a pitch) and `contact_ratio_under_load` (mean number of loaded pairs), None if
         the positions do not cover the period; `loaded_pairs_min`, `loaded_pairs_max`,
         `load_share_max` (largest load share of a pair);
-        `peak_pressure_MPa` with `peak_pressure_position_rad`, `peak_pressure_pair`,
-        `peak_pressure_at_corner`; and the same for `peak_pressure_off_corners`, the largest
-        meaningful one. In addition `contact_ratio_geometric` (path of contact divided by base
+        `peak_pressure_MPa` with `peak_pressure_position_rad`, `peak_pressure_pair` (the largest
+        pressure off sharp corners; None if all contact is on sharp corners);
+        `corner_pressure_MPa` with `corner_pressure_position_rad`, `corner_pressure_pair` (the
+        largest on a sharp corner, which grows without limit on finer cells; None without such
+        contact). In addition `contact_ratio_geometric` (path of contact divided by base
         pitch; None if unknown), `contact_ratio_usable` (the same between form circles and tip
         roundings or chamfers), `overlap_ratio` (0 of straight teeth) and `contact_ratio_total` (the
         sum of the geometric one and the overlap ratio), the means of both stiffnesses over the
@@ -163,11 +165,11 @@ class Result(EffectResults, ResultForms):
         (magnitude) and `coast_flank_gap_min_um`; if requested, `root_stress_1` and `root_stress_2`
         with largest `tension` and `compression`; if coast flanks can carry load,
         `coast_flanks_loaded_min`, `coast_flanks_loaded_max` (numbers of them at once) and the
-        largest `coast_force_N` and `coast_peak_pressure_off_corners_MPa` with their positions and
-        pairs. In three dimensions `face_load_factor`, `line_load_factor`, `peak_line_load_z_mm` and
-        the largest
-        magnitudes `axial_force_N` and `tilting_moment_Nm`; with shafts `tilt_mean_um_per_mm` and
-        the largest force on each bearing, and `k_h_beta_iso` for comparison if one bends under the
+        largest `coast_force_N`, `coast_peak_pressure_MPa` and `coast_corner_pressure_MPa` with
+        their positions and pairs. In three dimensions `face_load_factor`, `line_load_factor`,
+        `peak_line_load_z_mm` and the largest magnitudes `axial_force_N` and `tilting_moment_Nm`;
+        with shafts `tilt_mean_um_per_mm` and the largest force on each bearing, and `k_h_beta_iso`
+        for comparison if one bends under the
         teeth. With `effects.speed_rpm` `power_W` of the torque on body 1 and, with friction,
         `power_loss_W`, the mean over the period.
         """

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.base.rounding import TIE
+from flankload.result.corners import off_corners, on_corners
 from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
+    from flankload.result.optional_results import CoastContact
     from flankload.result.result import Result
     from flankload.result.root_stress import RootStress
 
@@ -23,16 +26,56 @@ STIFFNESS_MEANS = {
 }
 #: Stresses that differ by less, relative to the largest, are those of the same tooth.
 EQUAL_STRESS = 1e-12
+#: Former names of entries, with the present ones.
+RENAMED = {
+    f"{flank}peak_pressure_off_corners_{entry}": f"{flank}peak_pressure_{entry}"
+    for flank in ("", "coast_")
+    for entry in ("MPa", "position_rad", "pair")
+}
+#: Former entry, which followed from the largest pressures off and on sharp corners.
+AT_CORNER = "peak_pressure_at_corner"
+#: Why an entry is None in a result under load.
+NO_VALUE = {
+    "peak_pressure_MPa": "all contact is on sharp corners, where no finite pressure exists",
+}
 
 
-def key_figures(result: Result) -> dict[str, Any]:
+class Summary(dict[str, Any]):
+    """Entries by name; former names give the present entries, with a warning."""
+
+    def __missing__(self, name: str) -> Any:
+        if name == AT_CORNER and "corner_pressure_MPa" in self:
+            new = "corner_pressure_MPa (None without contact on a sharp corner)"
+            words = f"{name} is {new} now (the old name ends with 1.0)"
+            warnings.warn(words, DeprecationWarning, stacklevel=2)
+            return _is_largest(self["corner_pressure_MPa"], self["peak_pressure_MPa"])
+        if name not in RENAMED or RENAMED[name] not in self:
+            raise KeyError(name)
+        return self[current_name(name)]
+
+
+def _is_largest(corner: Any, off_corners: Any) -> Any:
+    """Whether the largest of all pressures is on a corner; a tuple for several torques."""
+    if isinstance(corner, tuple):
+        return tuple(map(_is_largest, corner, off_corners))
+    return corner is not None and corner > (off_corners or 0.0)
+
+
+def current_name(name: str) -> str:
+    """The present name of an entry, with a warning if it has another one now."""
+    if name not in RENAMED:
+        return name
+    words = f"{name} is {RENAMED[name]} now (the old name ends with 1.0)"
+    warnings.warn(words, DeprecationWarning, stacklevel=3)
+    return RENAMED[name]
+
+
+def key_figures(result: Result) -> Summary:
     """Entries of the summary that follow from few curves."""
     error, loaded, geometry = result.transmission_error_um, result.loaded_pairs, result.geometry
     by_load = 1000.0 * result.turned_by_load_rad * result.reference_radius_mm
-    pressure = result.peak_pressure_MPa
-    smooth = np.where(result.corner_contact, 0.0, pressure)
     over = over_positions(result)
-    return {
+    figures = {
         "transmission_error_mean_um": over.mean(error),
         "transmission_error_by_load_mean_um": over.mean(by_load),
         "transmission_error_peak_to_peak_um": float(np.ptp(error)),
@@ -46,17 +89,17 @@ def key_figures(result: Result) -> dict[str, Any]:
         "loaded_pairs_min": int(loaded.min()),
         "loaded_pairs_max": int(loaded.max()),
         "load_share_max": float(result.load_share.max()),
-        **_largest(result, "peak_pressure", "MPa", pressure),
-        "peak_pressure_at_corner": bool(pressure.max() > smooth.max()),
-        **_largest(result, "peak_pressure_off_corners", "MPa", smooth),
+        **_largest(result, "peak_pressure", "MPa", off_corners(result)),
+        **_on_corners(result, "corner_pressure", result),
     }
+    return Summary(figures)
 
 
-def summary(result: Result) -> dict[str, Any]:
+def summary(result: Result) -> Summary:
     """`Result.summary`."""
     line_load = result.slice_line_load_N_per_mm.max(axis=2)
     sliding, gap = np.abs(result.sliding_mm_per_rad), result.coast_flank_gap_um
-    return {
+    entries = {
         **result.key_figures,
         **_stiffness_means(result),
         **_largest(result, "peak_line_load", "N_per_mm", line_load),
@@ -72,19 +115,29 @@ def summary(result: Result) -> dict[str, Any]:
         **_of_shafts(result),
         **_of_power(result),
     }
+    return Summary(entries)
 
 
 def _largest(
     result: Result, key: str, unit: str, values: Floats, *, same: float = 0.0
 ) -> dict[str, Any]:
-    """The first of the largest values (P, S) with its position and pair; None if all are 0."""
+    """The first of the largest values (P, S) with its position and pair.
+
+    Position and pair are None if all values are 0, the value as well if all are NaN.
+    """
     p, s = np.unravel_index(np.argmax(values >= (1.0 - same) * values.max()), values.shape)
     found = float(values[p, s])
     return {
-        f"{key}_{unit}": found,
+        f"{key}_{unit}": None if np.isnan(found) else found,
         f"{key}_position_rad": float(result.position_rad[p]) if found > 0 else None,
         f"{key}_pair": int(result.sites[s]) if found > 0 else None,
     }
+
+
+def _on_corners(result: Result, key: str, contact: Result | CoastContact) -> dict[str, Any]:
+    """The largest pressure on sharp corners with its position and pair; None without one."""
+    found = _largest(result, key, "MPa", on_corners(contact))
+    return found if found[f"{key}_pair"] is not None else dict.fromkeys(found)
 
 
 def _finite(choose: Any, values: Floats) -> float | None:
@@ -108,13 +161,13 @@ def _of_coast_flanks(result: Result) -> dict[str, Any]:
     coast = result.coast
     if coast is None:
         return {}
-    smooth = np.where(coast.corner_contact, 0.0, coast.peak_pressure_MPa)
     # of equal values the first one, independent of roundoff
     return {
         "coast_flanks_loaded_min": int(coast.loaded.min()),
         "coast_flanks_loaded_max": int(coast.loaded.max()),
         **_largest(result, "coast_force", "N", coast.force_N, same=TIE),
-        **_largest(result, "coast_peak_pressure_off_corners", "MPa", smooth, same=TIE),
+        **_largest(result, "coast_peak_pressure", "MPa", off_corners(coast), same=TIE),
+        **_on_corners(result, "coast_corner_pressure", coast),
     }
 
 

@@ -12,6 +12,7 @@ from flankload.base.text_table import MARK, NONE, text_table
 from flankload.contact.status import Status
 from flankload.cost import COUNTERS
 from flankload.result.notes import accuracy_lines, outside_words, warning_lines
+from flankload.result.summary import NO_VALUE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -102,7 +103,7 @@ def _footer(result: Result) -> Iterator[Line]:
     summary = result.summary
     yield from _transmission_error_lines(result)
     yield "loaded pairs", _loaded_pairs(result)
-    if summary["peak_pressure_pair"] is not None:
+    if summary["peak_pressure_pair"] is not None or summary["corner_pressure_pair"] is not None:
         yield "largest pressure", _largest_pressure(summary)
     if result.drive is not None:
         yield result.drive.name, result.drive.words()
@@ -179,8 +180,7 @@ def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
     if result.position_rad.size == 1:
         estimate = {key: value for key, value in estimate.items() if key not in OF_SEVERAL}
     text = _estimate(estimate)
-    off_corners = summary["peak_pressure_off_corners_pair"] is not None
-    if summary["peak_pressure_pair"] is not None and not off_corners:
+    if summary["peak_pressure_MPa"] is None:
         text += ", peak pressure not estimated (sharp corners)"
     yield "estimated error", text + beyond
     for source, label in SHOWN_ALONE.items():
@@ -250,21 +250,18 @@ def _coast_forces(summary: dict[str, Any]) -> str:
         return "none carries" + ("" if gap is None else f", at least {gap:.1f} um apart")
     text = f"{_range(summary, 'coast_flanks_loaded')} carry, up to "
     text += f"{summary['coast_force_N'] / 1e3:.3f} kN {_place(summary, 'coast_force_')}"
-    if summary["coast_peak_pressure_off_corners_pair"] is not None:
-        text += f", {summary['coast_peak_pressure_off_corners_MPa']:.0f} MPa"
+    if summary["coast_peak_pressure_pair"] is not None:
+        text += f", {summary['coast_peak_pressure_MPa']:.0f} MPa"
     return text
 
 
 def _largest_pressure(summary: dict[str, Any]) -> str:
-    parts = []
-    if summary["peak_pressure_off_corners_pair"] is not None:
-        parts.append(
-            f"{summary['peak_pressure_off_corners_MPa']:.0f} MPa "
-            f"{_place(summary, 'peak_pressure_off_corners_')}"
-        )
-    if summary["peak_pressure_at_corner"]:
-        parts.append(f"at sharp corners ({MARK}) no finite pressure exists")
-    return "; ".join(parts)
+    if summary["peak_pressure_MPa"] is None:
+        return f"none: {NO_VALUE['peak_pressure_MPa']} ({MARK})"
+    text = f"{summary['peak_pressure_MPa']:.0f} MPa {_place(summary, 'peak_pressure_')}"
+    if summary["corner_pressure_pair"] is not None:
+        text += f"; at sharp corners ({MARK}) no finite pressure exists"
+    return text
 
 
 def _friction(friction: FrictionResult) -> str:

@@ -14,6 +14,7 @@ from flankload.result.loaded_positions import PairPositions
 from flankload.result.notes import warning_lines
 from flankload.result.quantities import UNLOADED
 from flankload.result.result import Result
+from flankload.result.summary import Summary
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -185,7 +186,7 @@ def _at_sites(series: TorqueSeries, one: Result, name: str) -> NDArray[Any]:
 def _merged(values: Sequence[Mapping[str, Any] | None]) -> dict[str, Any]:
     """One mapping with a tuple of values, one per torque, for each key; inner mappings alike."""
     given = [{} if value is None else value for value in values]
-    merged: dict[str, Any] = {}
+    merged = Summary() if isinstance(values[0], Summary) else {}
     for key in dict.fromkeys(key for value in given for key in value):
         found = [value.get(key) for value in given]
         nested = any(isinstance(one, Mapping) for one in found)

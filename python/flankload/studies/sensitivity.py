@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from flankload.errors import InputError, SceneError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.result import Result
+from flankload.result.summary import current_name
 from flankload.scene.refusal import in_file, refuse
 from flankload.scene.schema import scene_paths
 from flankload.scene.tree import number_at
@@ -197,7 +198,8 @@ def sensitivity(
 
     def continued(changes: dict[str, float]) -> tuple[Result, ...]:
         earlier = Earlier(parts=parts, similar=states[0])
-        return run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
+        beside = run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
+        return tuple(map(_with_corners_of, results, beside))
 
     # complete states beside the scene differ from its own; continued ones from continued ones
     known = known_contacts(states[0].found)
@@ -282,14 +284,31 @@ def _value(result: Result, quantity: Quantity) -> Floats:
     """A quantity of a result; NaN for None."""
     if not isinstance(quantity, str):
         found = quantity(result)
-    elif quantity in result.summary:
-        found = result.summary[quantity]
+    elif (name := current_name(quantity)) in result.summary:
+        found = result.summary[name]
     else:
         found = getattr(result, quantity, None)
         if not isinstance(found, np.ndarray):
             expected = "a number of Result.summary or an array of Result"
             raise InputError(f"quantity: expected {expected}, found {quantity!r}")
     return np.asarray(np.nan if found is None else found, dtype=float)
+
+
+def _with_corners_of(base: Result, beside: Result) -> Result:
+    """A result with the contacts on sharp corners of the base.
+
+    The same pairs then count as off corners on both sides of the base, also where a contact reaches
+    a corner within the step.
+    """
+    _, ours, theirs = np.intersect1d(base.sites, beside.sites, return_indices=True)
+    corner = np.zeros_like(beside.corner_contact)
+    corner[:, theirs] = base.corner_contact[:, ours]
+    coast = beside.coast
+    if coast is not None and base.coast is not None:
+        of_coast = np.zeros_like(corner)
+        of_coast[:, theirs] = base.coast.corner_contact[:, ours]
+        coast = replace(coast, corner_contact=of_coast)
+    return replace(beside, corner_contact=corner, coast=coast)
 
 
 def _at_sites_of(base: Result, result: Result, value: Floats) -> Floats:

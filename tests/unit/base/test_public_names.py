@@ -121,7 +121,7 @@ def test_a_result_is_shown_in_few_lines() -> None:
     shown = {line.split()[0]: line.split(maxsplit=1)[1] for line in lines[1:]}
     assert shown["torque_Nm"] == "302"
     assert shown["positions"] == "32 from 0 to 21.7969 deg, over the whole period"
-    assert shown["peak_pressure_off_corners_MPa"].endswith("(+- 0.8%)")
+    assert shown["peak_pressure_MPa"].endswith("(+- 0.8%)")
     assert shown["warnings"] == "1: see result.warnings"
     page = one._repr_html_()
     assert "&lt;b&gt;bold&lt;/b&gt; &amp; Co" in page

@@ -98,7 +98,7 @@ def test_peak_pressure_names_the_largest_one_of_each_torque(
 ) -> None:
     plot.draw_peak_pressure(axes, results)
     for label, result in zip(labels(axes), results, strict=True):
-        peak = result.summary["peak_pressure_off_corners_MPa"]
+        peak = result.summary["peak_pressure_MPa"]
         assert label == f"{result.torque_Nm:g} N m\n{peak:.0f} MPa"
         assert np.nanmax(lines(axes)[f"{result.torque_Nm:g} N m"][1]) == pytest.approx(peak)
 
@@ -176,7 +176,7 @@ def test_sweep_has_a_point_per_torque(results: tuple[Result, ...]) -> None:
     figure = plot.plot_torque_sweep(results)
     keys = (
         *("transmission_error_peak_to_peak_um", "transmission_error_mean_um"),
-        *("peak_pressure_off_corners_MPa", "stiffness_tangent_mean_N_per_um"),
+        *("peak_pressure_MPa", "stiffness_tangent_mean_N_per_um"),
     )
     for axes, key in zip(figure.axes, keys, strict=True):
         points = np.asarray(axes.collections[0].get_offsets())

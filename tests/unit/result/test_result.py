@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flankload.result import Result, results_to_csv, results_to_json, results_to_text
+from flankload.result import Result, TorqueSeries, results_to_csv, results_to_json, results_to_text
+from flankload.result.corners import off_corners
 from flankload.result.notes import warning_lines
 from flankload.result.optional_results import ShaftLoads
 from flankload.result.slices import SliceLoads
@@ -83,13 +84,43 @@ def test_summary_by_hand() -> None:
     assert summary["transmission_error_peak_to_peak_um"] == pytest.approx(10.0, rel=ROUND_OFF)
     assert summary["contact_ratio_under_load"] == 1.5
     assert (summary["loaded_pairs_min"], summary["loaded_pairs_max"]) == (1, 2)
-    assert summary["peak_pressure_MPa"] == 1700.0
-    assert summary["peak_pressure_position_rad"] == 0.1
-    assert summary["peak_pressure_pair"] == 1
-    assert summary["peak_pressure_at_corner"] is True
-    assert summary["peak_pressure_off_corners_MPa"] == 1000.0
-    assert summary["peak_pressure_off_corners_position_rad"] == 0.0
-    assert summary["peak_pressure_off_corners_pair"] == 0
+    assert summary["peak_pressure_MPa"] == 1000.0
+    assert summary["peak_pressure_position_rad"] == 0.0
+    assert summary["peak_pressure_pair"] == 0
+    assert summary["corner_pressure_MPa"] == 1700.0
+    assert summary["corner_pressure_position_rad"] == 0.1
+    assert summary["corner_pressure_pair"] == 1
+    smooth = small_result(corner_contact=np.zeros((2, 2), dtype=bool)).summary
+    assert smooth["peak_pressure_MPa"] == 1700.0
+    assert smooth["corner_pressure_MPa"] is smooth["corner_pressure_pair"] is None
+
+
+def test_pressures_on_corners_alone_are_no_largest_pressure() -> None:
+    """Neither their numbers, which follow the cells, nor 0, which a search would prefer."""
+    result = small_result(corner_contact=[[True, False], [True, True]])
+    assert result.summary["peak_pressure_MPa"] is result.summary["peak_pressure_pair"] is None
+    assert result.summary["corner_pressure_MPa"] == 1700.0
+    assert np.isnan(off_corners(result)).all()
+    (line,) = [x for x in results_to_text([result]).splitlines() if "largest pressure" in x]
+    assert line.split(maxsplit=2)[2] == (
+        "none: all contact is on sharp corners, where no finite pressure exists (*)"
+    )
+
+
+def test_former_names_of_the_largest_pressure_give_it_with_a_warning() -> None:
+    result = small_result()
+    for summary, wrap in (
+        (result.summary, lambda value: value),
+        (TorqueSeries([result, result]).summary, lambda value: (value, value)),
+    ):
+        with pytest.warns(DeprecationWarning, match="is peak_pressure_MPa now"):
+            assert summary["peak_pressure_off_corners_MPa"] == wrap(1000.0)
+        with pytest.warns(DeprecationWarning, match="is peak_pressure_pair now"):
+            assert summary["peak_pressure_off_corners_pair"] == wrap(0)
+        with pytest.warns(DeprecationWarning, match="corner_pressure_MPa"):
+            assert summary["peak_pressure_at_corner"] == wrap(True)
+        with pytest.raises(KeyError, match="coast_peak_pressure_off_corners_MPa"):
+            summary["coast_peak_pressure_off_corners_MPa"]
 
 
 def test_harmonics_of_a_known_curve() -> None:

@@ -163,6 +163,24 @@ def test_key_figures_and_functions_have_derivatives() -> None:
     assert lines[1].split()[:2] == ["body_1.tip_relief_um", "100"]
 
 
+def test_a_contact_that_reaches_a_corner_within_the_step_keeps_its_derivative() -> None:
+    """The kink of a relief moves up to the only loaded pair, whose pressure then has no value."""
+    path, name = "body_1.tip_relief_start_diameter_mm", "peak_pressure_MPa"
+    changes = {"body_1.tip_relief_shape": "linear", "positions": {"angles_deg": [6.0]}}
+    scene = scene_of("lumped")[0].replace({**changes, "load.torque_Nm": 127.0})
+    prepared = fl.prepare(scene)
+    low, high = 75.5, 76.0
+    while high - low > 2e-5:
+        middle = 0.5 * (low + high)
+        reaches = prepared.solve({path: middle}).summary[name] is None
+        low, high = (low, middle) if reaches else (middle, high)
+    assert high < 76.0
+    found = fl.sensitivity(scene.replace({path: low}), [path])
+    assert found.step_of(path) > high - low
+    below, above = found.to_each_side(name)
+    assert above.item() == pytest.approx(below.item(), rel=1e-3)
+
+
 def test_a_value_at_the_end_of_its_range_has_a_derivative_to_one_side() -> None:
     scene, _ = scene_of("cells")
     scene = scene.replace({"body_1.profile_crowning_um": 0.0})

@@ -16,10 +16,11 @@ from flankload.base.optional import optional
 from flankload.base.text_table import text_table
 from flankload.result.export import CsvForm
 from flankload.result.quantities import ALONG_POSITIONS
+from flankload.result.summary import NO_VALUE, current_name
 from flankload.studies.design.run import SOLVED
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -72,6 +73,7 @@ class DesignStudy(Card):
             (designs, torques) with a list of torques; one more dimension for curves and harmonics.
             NaN if a design failed or has no such value.
         """
+        name = current_name(name)
         return self._array(lambda result: result["quantities"].get(name))
 
     def columns(self) -> dict[str, list[Any]]:
@@ -190,7 +192,15 @@ class DesignStudy(Card):
         head = f"{self.name}: {len(self.rows)} designs"
         if self.failed:
             head += f", {len(self.failed)} of them failed; first: {self.failed[0].outcome.error}"
-        return "\n".join([head, *text_table(rows, left=1)])
+        return "\n".join([head, *text_table(rows, left=1), *self._without_value()])
+
+    def _without_value(self) -> Iterator[str]:
+        """Quantities that some solved designs lack, with the number of these and the reason."""
+        solved = [row for row in self.rows if row.outcome.status == SOLVED]
+        for name in set(self.quantities) & set(NO_VALUE):
+            found = [[one["quantities"][name] for one in row.outcome.results] for row in solved]
+            if count := sum(None in values for values in found):
+                yield f"{name} has no value in {count} designs: {NO_VALUE[name]}"
 
     @property
     def _has_torque_dimension(self) -> bool:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 #: Number in the head of an SQLite file ("FLNK") and version of the table.
-APPLICATION, FORMAT = 0x464C4E4B, 2
+APPLICATION, FORMAT = 0x464C4E4B, 3
 #: Errors of SQLite that say nothing about the content: permission, busy, locked, memory, read-only,
 #: interrupted, input and output, full, cannot open, protocol, no large files, authorization.
 OF_SYSTEM = (3, 5, 6, 7, 8, 9, 10, 13, 14, 15, 22, 23)

@@ -16,7 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.errors import FlankloadError
+from flankload.result.corners import off_corners
 from flankload.result.harmonics import over_positions
+from flankload.result.summary import NO_VALUE, current_name
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
@@ -43,16 +46,19 @@ class Figure:
     maxima: tuple[Callable[[Result], Floats], ...]
 
     def value(self, result: Result) -> float:
-        """The figure as the summary has it."""
-        return numbers_of(result.summary)[self.name]
+        """The figure as the summary has it; NaN for None."""
+        return numbers_of(result.summary).get(self.name, np.nan)
 
 
 def figure_of(name: str, result: Result, key: str) -> Figure:
     """Find a key figure of a result by its name, which the key of a table gives.
 
-    Raises SceneError if the summary of the result has no such number.
+    Raises SceneError if the summary of the result has no such number, FlankloadError if the figure
+    is None in this result.
     """
-    numbers = numbers_of(result.summary)
+    name, numbers = current_name(name), numbers_of(result.summary)
+    if name in NO_VALUE and result.summary[name] is None:
+        raise FlankloadError(f"{name} has no value: {NO_VALUE[name]}")
     if name not in numbers:
         refuse(key, f"a key figure of this scene ({', '.join(sorted(numbers))})", f"'{name}'")
     harmonic = HARMONIC.fullmatch(name)
@@ -106,10 +112,7 @@ MAXIMA: dict[str, tuple[Callable[[Any], Floats], ...]] = {
         lambda result: result.transmission_error_um,
         lambda result: -result.transmission_error_um,
     ),
-    "peak_pressure_MPa": (lambda result: result.peak_pressure_MPa,),
-    "peak_pressure_off_corners_MPa": (
-        lambda result: np.where(result.corner_contact, 0.0, result.peak_pressure_MPa),
-    ),
+    "peak_pressure_MPa": (off_corners,),
     "peak_line_load_N_per_mm": (lambda result: result.slice_line_load_N_per_mm,),
     "load_share_max": (lambda result: result.load_share,),
     "face_load_factor": (partial(_line_loads, name="relative_mean_line_load"),),
