@@ -18,8 +18,7 @@ module flankload
     use flankload_slice_field, only: slices_type
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, new_nodal_body, &
         & find_nodal_pairs, nodal_influences
-    use flankload_position_zones, only: body_type
-    use flankload_position_cells, only: grid_settings, level_lumped, level_pairs
+    use flankload_mesh, only: body_type, grid_settings, level_lumped, level_pairs, mesh_type
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
     use flankload_position_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
@@ -37,7 +36,7 @@ module flankload
     public :: general_matrix, symmetric_matrix, definite_matrix, definite_part
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
     public :: nodal_body, nodal_pairs_type, new_nodal_body, find_nodal_pairs, nodal_influences
-    public :: body_type, grid_settings, position_state, solve_position
+    public :: body_type, grid_settings, mesh_type, position_state, solve_position
     public :: level_lumped, level_pairs, slices_type
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
@@ -48,7 +47,7 @@ module flankload
     public :: flankload_position, flankload_normal_compliance, flankload_matrix_form
     public :: flankload_solve_contact, flankload_solve_sequence
     public :: flankload_pack_body, flankload_pack_part, flankload_sweep, flankload_sweep_points
-    public :: flankload_sweep_continued
+    public :: flankload_sweep_continued, flankload_pack_mesh, flankload_sweep_mesh
     public :: fl_general, fl_symmetric, fl_definite, fl_definite_part
     public :: fl_auto, fl_single, fl_paper, fl_block
     public :: fl_load_path, fl_pivoted, fl_cascade, fl_primal

@@ -33,7 +33,7 @@ enum {
     FLANKLOAD_PRIMAL = 7
 };
 
-/* Optional parts of a body. */
+/* Optional parts of a body; sides, friction and slices: of a mesh. */
 enum {
     FLANKLOAD_PART_TIP = 1,
     FLANKLOAD_PART_WEDGE = 2,
@@ -110,6 +110,10 @@ void flankload_pack_body_(const int *n_breaks, const int *degree, const double *
                           const double *smooth, const int *block, const int *n_record,
                           double *record, int *info);
 
+/* Begin the record of a mesh of two bodies: axes, contact model, cells. */
+void flankload_pack_mesh_(const int *n_sites, const double *axes, const double *twist,
+                          const double *settings, const int *n_record, double *record, int *info);
+
 /* Add a part to a record. It needs as many reals as it has values. */
 void flankload_pack_part_(const int *part, const int *n_values, const double *values,
                           const int *n_record, double *record, int *info);
@@ -136,6 +140,17 @@ void flankload_sweep_continued_(const int *n_positions, const int *n_torques, co
                                 double *rotation, double *tangent, double *certificate,
                                 int *counters, double *site_force, double *site_peak,
                                 int *site_corner, int *info);
+
+/* The same with a record of the mesh. */
+void flankload_sweep_mesh_(const int *n_positions, const int *n_torques, const int *n_sites,
+                           const double *motion, const double *torques, const int *n_mesh,
+                           const double *mesh, const int *n_record_1, const double *record_1,
+                           const int *n_record_2, const double *record_2, const int *n_columns,
+                           const int *room, int *control, int *pair_site, double *pair_table,
+                           const int *n_flags, const int *in_contact, const int *n_known,
+                           const int *first_known, int *status, double *rotation, double *tangent,
+                           double *certificate, int *counters, double *site_force,
+                           double *site_peak, int *site_corner, int *info);
 
 /* All positions and torques from points and compliances. */
 void flankload_sweep_points_(const int *n_positions, const int *n_torques, const int *n_flanks,

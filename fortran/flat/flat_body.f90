@@ -1,4 +1,4 @@
-! The flat interface to bodies: a body is one array of reals, the record that flankload_sweep reads.
+! The flat interface to bodies: a body is one array of reals, the record that a sweep reads.
 
 !> Begin the record of a body: flank curve, sites, compliance.
 !>
@@ -8,9 +8,9 @@
 subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, n_sites, &
         & site_angles, deviations, n_modes, n_blocks, mode_range, kernel, smooth, block, &
         & n_record, record, info)
-    use flankload_body_record, only: are_valid, body_length, counts_type, part_block, &
+    use flankload_body_record, only: are_valid, body_mark, counts_type, part_block, &
         & part_breaks, part_coefficients, part_corners, part_deviations, part_kernel, &
-        & part_mode_range, part_site_angles, part_smooth, start_record, write_part
+        & part_mode_range, part_site_angles, part_smooth, record_length, start_record, write_part
     use flankload_given_arrays, only: given_integers, given_reals
     implicit none
     !> Flank curve: breaks of its arc length [mm], ascending; coefficients (power, x|y, interval);
@@ -56,7 +56,7 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
         & blocks=n_blocks)
     info = 0
     ! The record is too long for default integers.
-    if (.not. body_length(n) < huge(info)) info = -15
+    if (.not. record_length(body_mark, n) < huge(info)) info = -15
     if (n_blocks < 1) info = -10
     if (n_modes < 1) info = -9
     if (n_sites < 1) info = -6
@@ -75,9 +75,9 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
     end if
     if (.not. are_valid(part_breaks, n, breaks)) info = -3
     if (info < 0) return
-    if (body_length(n) > n_record) info = nint(body_length(n))
+    if (record_length(body_mark, n) > n_record) info = nint(record_length(body_mark, n))
     if (info > 0) return
-    call start_record(n, record)
+    call start_record(body_mark, n, record)
     call write_part(part_breaks, n_breaks, breaks, record, missing)
     call write_part(part_coefficients, size(coefficients), coefficients, record, missing)
     call write_part(part_corners, n_breaks, dble(corners), record, missing)
@@ -89,8 +89,8 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
     call write_part(part_block, size(block), dble(block), record, missing)
 end subroutine flankload_pack_body
 
-!> Add an optional part to the record of a body. Matrices are stored column by column, integers as
-!> reals.
+!> Add an optional part to the record of a body or of a mesh. Matrices are stored column by column,
+!> integers as reals.
 !>
 !> | part                | values                                                                  |
 !> |---------------------|-------------------------------------------------------------------------|
@@ -113,10 +113,10 @@ end subroutine flankload_pack_body
 !> |                     | follows fl_part_tangential                                              |
 !> | fl_part_shift       | (n_modes, n_sites): displacement of the flanks out of the material by   |
 !> |                     | known loads, as modes [mm]                                              |
-!> | fl_part_sides       | (n_sites), of body 1 only: 1 for sites of working flanks, then -1 for   |
+!> | fl_part_sides       | (n_sites), of the mesh: 1 for sites of working flanks, then -1 for      |
 !> |                     | those of coast flanks, whose angles are those of the bodies mirrored    |
 !> |                     | about the line of centres                                               |
-!> | fl_part_friction    | (n_mu, 1 + n_sites), of body 1 only: ascending arc lengths of flank 1   |
+!> | fl_part_friction    | (n_mu, 1 + n_sites), of the mesh: ascending arc lengths of flank 1      |
 !> |                     | [mm], then the friction coefficient of each site at these points,       |
 !> |                     | linear between them                                                     |
 !> | fl_part_axial       | (6), of both bodies of a pair in slices: number of Legendre polynomials |
@@ -126,7 +126,7 @@ end subroutine flankload_pack_body
 !> |                     | strengths psi of the images behind both end faces, 0 if the body        |
 !> |                     | continues there. The unit of the kernel is then mm²/N, and the smooth   |
 !> |                     | part is that of the full body [mm/N]                                    |
-!> | fl_part_slices      | (n + 1), of body 1 only: axial positions of the ends of n slices of the |
+!> | fl_part_slices      | (n + 1), of the mesh: axial positions of the ends of n slices of the    |
 !> |                     | flanks [mm], ascending. Sites are the slices, those of a flank pair     |
 !> |                     | adjacent in this order; their angles are those of their middle          |
 !> |                     | sections, their deviations those of the slice in the transverse plane.  |
@@ -147,11 +147,14 @@ end subroutine flankload_pack_body
 !> |                     | coefficients of its flank in each slice, between the same breaks,       |
 !> |                     | instead of those of flankload_pack_body                                 |
 !>
+!> The parts of a mesh may also be packed into the record of body 1 if it is passed to
+!> flankload_sweep or flankload_sweep_continued, which have no record of a mesh.
+!>
 !> info = 0: done. info > 0: number of reals that the record needs, n_record is too small and the
 !> record is unchanged. info = -i: argument i is invalid.
 subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
-    use flankload_body_record, only: are_valid, counts_in, counts_type, fits, is_record, &
-        & last_optional, place_in, write_part
+    use flankload_body_record, only: are_valid, belongs_to, body_mark, counts_in, counts_type, &
+        & fits, is_record, last_optional, mesh_mark, place_in, write_part
     use flankload_given_arrays, only: given_reals
     implicit none
     !> Number of the part
@@ -159,8 +162,8 @@ subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     !> Values of the part
     integer, intent(in) :: n_values
     double precision, intent(in) :: values(n_values)
-    !> Record begun by flankload_pack_body; a part that it already contains is replaced by one of
-    !> the same length
+    !> Record begun by flankload_pack_body or flankload_pack_mesh; a part that it already contains
+    !> is replaced by one of the same length
     integer, intent(in) :: n_record
     double precision, intent(inout) :: record(n_record)
     !> Status, see above
@@ -174,7 +177,9 @@ subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     if (info < 0) return
     info = 0
     if (part < 1 .or. part > last_optional) info = -1
-    if (.not. is_record(record)) info = -5
+    if (.not. (is_record(body_mark, record) .or. is_record(mesh_mark, record))) info = -5
+    if (info < 0) return
+    if (.not. belongs_to(record(1), part)) info = -1
     if (info < 0) return
     n = counts_in(record)
     place = place_in(record, part)

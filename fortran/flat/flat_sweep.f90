@@ -17,8 +17,9 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
         & pair_site, pair_table, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner, info)
     use flankload_given_arrays, only: given_integers, given_reals
+    use flankload_known_contact, only: known_contacts
     use flankload_position_sweep, only: sweep_type
-    use flankload_recorded_sweep, only: sweep_records, unpack_sweep
+    use flankload_recorded_sweep, only: sweep_two, unpack_sweep
     implicit none
     !> Numbers of positions, torques and sites; both bodies have the same sites
     integer, intent(in) :: n_positions
@@ -77,6 +78,7 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> Status, see above
     integer, intent(out) :: info
 
+    integer :: none(n_positions, n_torques)
     type(sweep_type) :: found
 
     info = -findloc([.true., .true., .true., given_reals(motion, size(motion)), .true., &
@@ -90,8 +92,9 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
         & given_reals(site_peak, size(site_peak)), &
         & given_integers(site_corner, size(site_corner))], .false., dim=1)
     if (info < 0) return
-    call sweep_records(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
-        & control, pair_site, pair_table, found, info)
+    none = 0
+    call sweep_two(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
+        & control, pair_site, pair_table, known_contacts([logical ::], none, none), found, info)
     call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner)
 end subroutine flankload_sweep
@@ -108,7 +111,7 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
     use flankload_given_arrays, only: given_integers, given_reals
     use flankload_known_contact, only: known_contacts
     use flankload_position_sweep, only: sweep_type
-    use flankload_recorded_sweep, only: sweep_records, unpack_sweep
+    use flankload_recorded_sweep, only: sweep_two, unpack_sweep
     implicit none
     !> As in flankload_sweep
     integer, intent(in) :: n_positions
@@ -161,8 +164,8 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
         & given_integers(site_corner, size(site_corner))], .false., dim=1)
     if (info < 0) return
     known = known_contacts(in_contact /= 0, n_known, first_known)
-    call sweep_records(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
-        & control, pair_site, pair_table, found, info, known)
+    call sweep_two(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
+        & control, pair_site, pair_table, known, found, info)
     call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner)
 end subroutine flankload_sweep_continued

@@ -1,9 +1,10 @@
-!> Body record: a body as one array of reals, which a program fills part by part and passes to the
-!> sweep.
+!> Record of a body or of a mesh: one array of reals, which a program fills part by part and passes
+!> to the sweep.
 !>
-!>     record(1)      record_mark
+!>     record(1)      body_mark or mesh_mark
 !>     record(2)      number of reals in use
-!>     record(3:7)    numbers of breaks, powers (degree + 1), sites, modes and blocks
+!>     record(3:7)    numbers of breaks, powers (degree + 1), sites, modes and blocks; of a mesh
+!>                    the number of sites alone
 !>     record(8:)     index of the first real and length of each part, 0 and 0 if absent
 !>     …              the parts, in the order in which they were packed
 !>
@@ -22,11 +23,13 @@ module flankload_body_record
     public :: part_shaft, part_sections
     public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
-    public :: part_mode_range, part_kernel, part_smooth, part_block
-    public :: fits, are_valid, body_length, start_record, write_part
-    public :: is_record, counts_in, shape_in, place_in
+    public :: part_mode_range, part_kernel, part_smooth, part_block, part_mesh
+    public :: body_mark, mesh_mark, mesh_parts
+    public :: fits, are_valid, record_length, start_record, write_part
+    public :: belongs_to, is_record, counts_in, shape_in, place_in
 
-    !> Parts: first the optional ones, with the numbers used by programs, then those of every body.
+    !> Parts: first the optional ones, with the numbers used by programs, then those of every body,
+    !> and that of every mesh.
     enum, bind(c)
         enumerator :: part_tip = 1
         enumerator :: part_wedge
@@ -52,8 +55,11 @@ module flankload_body_record
         enumerator :: part_kernel
         enumerator :: part_smooth
         enumerator :: part_block
+        enumerator :: part_mesh
     end enum
-    integer, parameter :: last_optional = part_sections, last_part = part_block
+    integer, parameter :: last_optional = part_sections, last_part = part_mesh
+    !> Optional parts of a mesh
+    integer, parameter :: mesh_parts(3) = [part_sides, part_friction, part_slices]
 
     !> Sizes that determine the shapes of all parts.
     type :: counts_type
@@ -67,9 +73,9 @@ module flankload_body_record
         integer :: tangential = 0
     end type counts_type
 
-    !> First number of every record: F, L and B in ASCII, then the version of this layout, which
-    !> changes with the list of parts. Records of other versions are rejected.
-    real(wp), parameter :: record_mark = 70766604.0_wp
+    !> First number of a record: F, L and B (body) or M (mesh) in ASCII, then the version of this
+    !> layout, which changes with the list of parts. Records of other versions are rejected.
+    real(wp), parameter :: body_mark = 70766605.0_wp, mesh_mark = 70767705.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
     !> Marks a dimension that follows from the number of values.
@@ -122,6 +128,8 @@ contains
             extents(1) = n%sites
         case (part_mode_range)
             extents(1) = 2
+        case (part_mesh)
+            extents(1) = 10
         case (part_smooth)
             extents = [n%modes, n%modes, n%blocks]
         case (part_block)
@@ -204,15 +212,37 @@ contains
             valid = all(values >= 1.0_wp .and. values <= n%blocks)
         case (part_corners)
             valid = all(values >= 0.0_wp .and. values <= 2.0_wp)
+        case (part_mesh)
+            ! axes of both bodies, twist, cell sizes, contact model, steps of finite forces
+            valid = all(values(6:8) > 0.0_wp) .and. any(abs(values(9) - [0.0_wp, 1.0_wp]) <= 0.0_wp)
+            valid = valid .and. are_counts(values(10))
         case default
             valid = .true.
         end select
     end function are_valid
 
+    !> Return whether a part is one of a body or of a mesh. Old programs pack those of a mesh into
+    !> the record of body 1 (`flankload_sweep`).
+    pure function belongs_to(mark, part) result(belongs)
+        !> body_mark or mesh_mark
+        real(wp), intent(in) :: mark
+        !> Number of the part
+        integer, intent(in) :: part
+        logical :: belongs
+
+        if (nint(mark) == nint(mesh_mark)) then
+            belongs = any(part == [mesh_parts, part_mesh])
+        else
+            belongs = part < part_mesh
+        end if
+    end function belongs_to
+
     !> Return the number of reals of header and mandatory parts; as a real, since it may exceed the
     !> range of integers.
-    pure function body_length(n) result(length)
-        !> Sizes of the body
+    pure function record_length(mark, n) result(length)
+        !> body_mark or mesh_mark
+        real(wp), intent(in) :: mark
+        !> Sizes
         type(counts_type), intent(in) :: n
         real(wp) :: length
 
@@ -220,18 +250,20 @@ contains
 
         length = header
         do part = last_optional + 1, last_part
-            length = length + product(real(shape_of(part, n), wp))
+            if (belongs_to(mark, part)) length = length + product(real(shape_of(part, n), wp))
         end do
-    end function body_length
+    end function record_length
 
     !> Write the header of a record without parts.
-    pure subroutine start_record(n, record)
-        !> Sizes of the body
+    pure subroutine start_record(mark, n, record)
+        !> body_mark or mesh_mark
+        real(wp), intent(in) :: mark
+        !> Sizes
         type(counts_type), intent(in) :: n
         !> Record, with room for the header
         real(wp), intent(inout) :: record(:)
 
-        record(1) = record_mark
+        record(1) = mark
         record(2) = header
         record(first_count:header) = 0.0_wp
         record(first_count:first_place - 1) = real([n%breaks, n%powers, n%sites, n%modes, &
@@ -267,7 +299,9 @@ contains
     end subroutine write_part
 
     !> Return whether an array begins with a complete record; its values are not checked.
-    pure function is_record(record)
+    pure function is_record(mark, record)
+        !> body_mark or mesh_mark
+        real(wp), intent(in) :: mark
         !> The array
         real(wp), intent(in) :: record(:)
         logical :: is_record
@@ -278,19 +312,21 @@ contains
         is_record = .false.
         if (size(record) < header) return
         if (.not. all(are_counts(record(:header)))) return
-        if (nint(record(1)) /= nint(record_mark)) return
+        if (nint(record(1)) /= nint(mark)) return
         n = counts_in(record)
         in_use = header
         do part = 1, last_part
             first = nint(record(first_place + 2*part - 2))
             length = nint(record(first_place + 2*part - 1))
-            if (length == 0 .and. part <= last_optional) cycle
+            if (length == 0 .and. (part <= last_optional .or. .not. belongs_to(mark, part))) cycle
+            if (.not. belongs_to(mark, part)) return
             if (.not. fits(part, n, length)) return
             if (first <= header .or. first > size(record) - length + 1) return
             if (length > size(record) - in_use) return
             in_use = in_use + length
         end do
-        is_record = n%breaks >= 2 .and. in_use == reals_in(record)
+        is_record = (n%breaks >= 2 .or. nint(mark) == nint(mesh_mark)) &
+            & .and. in_use == reals_in(record)
     end function is_record
 
     !> Return whether a real is a nonnegative integer.
@@ -313,7 +349,7 @@ contains
         number = nint(record(2))
     end function reals_in
 
-    !> Return the sizes of the body in a record.
+    !> Return the sizes in a record.
     pure function counts_in(record) result(n)
         !> The record, at least its header
         real(wp), intent(in) :: record(:)

@@ -10,7 +10,7 @@ module flankload_known_contact
     use flankload_contact_pairs, only: chosen_pairs, pairs_type
     use flankload_contact_zones, only: zone_type
     use flankload_pair_influence, only: pair_influences
-    use flankload_position_zones, only: body_type
+    use flankload_mesh, only: body_type, mesh_type
     use flankload_position_state, only: position_state
     implicit none
     private
@@ -54,10 +54,10 @@ contains
     !>
     !> Neither signs of forces nor gaps of the other pairs are checked: close to the state whose
     !> pairs in contact are given, the result is its linear continuation.
-    pure subroutine solve_known(body_1, body_2, zones, touches, torque, state, solved)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine solve_known(bodies, meshes, zones, touches, torque, state, solved)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The zones of the position
         type(zone_type), intent(in) :: zones(:)
         !> True for pairs in contact, shape (pairs)
@@ -81,7 +81,7 @@ contains
         if (n == 0) return
         pairs = chosen_pairs(state%pairs, which)
         allocate (matrix(n, n), columns(n, 2), row_swaps(n))
-        call pair_influences(body_1, body_2, zones, pairs, matrix)
+        call pair_influences(bodies, meshes, zones, pairs, matrix)
         nearest = minval(pairs%gap_angle)   ! small differences of angles have small rounding errors
         columns(:, 1) = pairs%lever
         columns(:, 2) = pairs%lever*(pairs%gap_angle - nearest)

@@ -15,7 +15,8 @@ module flankload_lumped_pass
     use flankload_lapack, only: potrf, solve_cholesky
     use flankload_lumped_hertz, only: usual_half_width
     use flankload_lumped_place, only: place_type
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_mesh, only: body_type, mesh_type
+    use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state, take_contact
     use flankload_tangential_influence, only: add_tangential
     use flankload_turned_influence, only: add_turned
@@ -48,10 +49,10 @@ module flankload_lumped_pass
 contains
 
     !> Choose the contacts to be considered, and compute the compliance between them.
-    pure subroutine couple(body_1, body_2, position, included, system)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine couple(bodies, meshes, position, included, system)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(in) :: position
         !> True for the zones to be considered, shape (zones)
@@ -68,22 +69,22 @@ contains
         associate (zones => position%zones(system%of))
             ! images of forces along the flank are at least this width away
             width = 2.0_wp*usual_half_width*position%flank_length
-            call add_turned(body_1%compliance, zones%site, zones%nearest%s_1, width, &
-                & corner_turn(body_1, body_2, zones, 1), system%coupling)
-            call add_turned(body_2%compliance, zones%site, zones%nearest%s_2, width, &
-                & corner_turn(body_1, body_2, zones, 2), system%coupling)
+            call add_turned(bodies(1)%compliance, zones%site, zones%nearest%s_1, width, &
+                & corner_turn(bodies(1)%compliance%s_high, zones, 1), system%coupling)
+            call add_turned(bodies(2)%compliance, zones%site, zones%nearest%s_2, width, &
+                & corner_turn(bodies(2)%compliance%s_high, zones, 2), system%coupling)
             if (allocated(system%tangential)) deallocate (system%tangential)
-            if (.not. allocated(body_1%friction)) then
+            if (.not. allocated(meshes(1)%friction)) then
                 allocate (system%tangential(n, 0))
             else if (allocated(position%tangential)) then
                 system%tangential = position%tangential(system%of, system%of)
             else
                 allocate (system%tangential(n, n), source=0.0_wp)
                 ones = 1.0_wp
-                call add_tangential(body_1%compliance, zones%site, zones%nearest%s_1, width, ones, &
-                    & system%tangential)
-                call add_tangential(body_2%compliance, zones%site, zones%nearest%s_2, width, ones, &
-                    & system%tangential)
+                call add_tangential(bodies(1)%compliance, zones%site, zones%nearest%s_1, width, &
+                    & ones, system%tangential)
+                call add_tangential(bodies(2)%compliance, zones%site, zones%nearest%s_2, width, &
+                    & ones, system%tangential)
             end if
         end associate
     end subroutine couple
@@ -91,10 +92,9 @@ contains
     !> Return the angle by which the force at a sharp tip of a body is turned from the normal of its
     !> flank towards increasing arc length [rad]: halfway to the normal of the other flank. Away
     !> from corners, both flanks have the same normal at the point of least gap.
-    elemental function corner_turn(body_1, body_2, zone, body) result(turn)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    elemental function corner_turn(s_high, zone, body) result(turn)
+        !> Arc length at the end of the flank's modes [mm]
+        real(wp), intent(in) :: s_high
         !> The zone
         type(zone_type), intent(in) :: zone
         !> Number of the body, 1 or 2
@@ -105,9 +105,9 @@ contains
         if (zone%corner /= body) return
         associate (nearest => zone%nearest)
             if (body == 1) then
-                if (nearest%s_1 < body_1%compliance%s_high*(1.0_wp - tie)) return
+                if (nearest%s_1 < s_high*(1.0_wp - tie)) return
             else
-                if (nearest%s_2 < body_2%compliance%s_high*(1.0_wp - tie)) return
+                if (nearest%s_2 < s_high*(1.0_wp - tie)) return
             end if
             ! body 1 rotates by the gap angle until both touch; tangents point to either tip
             turn = 0.5_wp*angle_between(turned(nearest%tangent_1, nearest%gap_angle), &

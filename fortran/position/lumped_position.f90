@@ -16,7 +16,8 @@ module flankload_lumped_position
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
     use flankload_lumped_pass, only: couple, lumped_system, solve_pass
     use flankload_lumped_place, only: near_field_of, place_type, reach_of, slide_place
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_mesh, only: body_type, mesh_type
+    use flankload_position_zones, only: position_type
     use flankload_position_state, only: inclusion_margin, not_parabolic, position_state, &
         & would_touch
     implicit none
@@ -33,10 +34,10 @@ module flankload_lumped_position
 contains
 
     !> Solve one position for one torque.
-    subroutine solve_lumped(body_1, body_2, position, torque, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine solve_lumped(bodies, meshes, position, torque, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1, positive [N mm]
@@ -63,13 +64,13 @@ contains
         allocate (system%places(size(included)), system%of(0))
         do pass = 1, max_passes
             if (size(system%of) /= count(included)) then
-                call couple(body_1, body_2, position, included, system)
+                call couple(bodies, meshes, position, included, system)
                 if (any(is_level(position%zones(system%of)))) then
                     call fatal_error(error, code_conforms)
                     return
                 end if
             end if
-            call update_contacts(body_1, body_2, position, system, forces, state%pairs, error)
+            call update_contacts(bodies, meshes, position, system, forces, state%pairs, error)
             if (allocated(error)) return
             call solve_pass(position, system, pass > newton_passes, forces, state, done, error)
             if (allocated(error)) return
@@ -79,17 +80,17 @@ contains
             included = included .or. would_touch(position, forces, state%rotation)
         end do
         if (done) then
-            call finish(body_1, body_2, position, system, forces, state, error)
+            call finish(position, system, forces, state, error)
         else
             call fatal_error(error, code_unsettled_widths)
         end if
     end subroutine solve_lumped
 
     !> Evaluate the contacts at the last forces, and make their pairs.
-    pure subroutine update_contacts(body_1, body_2, position, system, forces, pairs, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine update_contacts(bodies, meshes, position, system, forces, pairs, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(in) :: position
         !> Lumped contacts; those considered are updated
@@ -105,7 +106,7 @@ contains
         logical :: found
 
         call reserve_pairs(pairs, size(system%of))
-        if (allocated(body_1%friction)) then
+        if (allocated(meshes(1)%friction)) then
             allocate (pairs%sliding(size(system%of)), pairs%friction(size(system%of)), &
                 & source=0.0_wp)
         end if
@@ -130,7 +131,7 @@ contains
                 end if
                 call near_field_of(position%kernel(z), &
                     & least_half_width(position%flank_length), position%images(:, z), place)
-                call append_place(body_1, body_2, position, z, place%reach, pairs, found)
+                call append_place(position, z, place%reach, pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses)
                     return
@@ -139,8 +140,8 @@ contains
                 place%torque_lever = pairs%torque_lever(k)
                 place%lever_slope = 0.0_wp
                 place%torque_lever_slope = 0.0_wp
-                if (.not. allocated(body_1%friction)) cycle
-                call slide_place(body_1%friction, position%speeds, position%facing(site), zone, &
+                if (.not. allocated(meshes(1)%friction)) cycle
+                call slide_place(meshes(1)%friction, position%speeds, position%facing(site), zone, &
                     & pairs%normal(:, k), place)
                 place%lever_along = lever_along(position, pairs, k)
                 place%lever_along_slope = 0.0_wp
@@ -151,10 +152,7 @@ contains
     end subroutine update_contacts
 
     !> Append the pair of a contact.
-    pure subroutine append_place(body_1, body_2, position, z, reach, pairs, found)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine append_place(position, z, reach, pairs, found)
         !> Position, and index of the zone
         type(position_type), intent(in) :: position
         integer, intent(in) :: z
@@ -175,8 +173,7 @@ contains
             grid%n = 1
             grid%first = zone%nearest%s_1
             grid%cell = cell_of(reach, position%flank_length)
-            call append_pairs(facing, zone, z, grid, normal, &
-                & body_1%deviations(zone%site) + body_2%deviations(zone%site), pairs, found)
+            call append_pairs(facing, zone, z, grid, normal, position%deviation(site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)
         end associate
     end subroutine append_place
@@ -195,10 +192,7 @@ contains
 
     !> Solve the last pass with the derivatives of all quantities that depend on the forces, and sum
     !> up the state.
-    subroutine finish(body_1, body_2, position, system, forces, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine finish(position, system, forces, state, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Lumped contacts under these forces
@@ -212,7 +206,7 @@ contains
 
         logical :: converged
 
-        call differentiate_levers(body_1, body_2, position, forces, system)
+        call differentiate_levers(position, forces, system)
         call solve_pass(position, system, .false., forces, state, converged, error)
         if (allocated(error)) return
         call balance(system%torque, system%places(system%of), state)
@@ -237,10 +231,7 @@ contains
 
     !> Compute the derivatives of the levers with respect to the forces: the normal of a contact
     !> turns as the contact grows.
-    pure subroutine differentiate_levers(body_1, body_2, position, forces, system)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine differentiate_levers(position, forces, system)
         !> The position
         type(position_type), intent(in) :: position
         !> Forces of the zones [N], shape (zones)
@@ -264,12 +255,12 @@ contains
                 ! the normal of a smaller contact turns by rounding errors only
                 if (sum(place%reach) < 2.0_wp*least_half_width(position%flank_length)) cycle
                 more = little*place%force
-                call append_place(body_1, body_2, position, loaded(k), &
+                call append_place(position, loaded(k), &
                     & place%reach + more*place%reach_slope, beside, found)
                 if (.not. found) return
                 place%lever_slope = (beside%lever(beside%n) - place%lever)/more
                 place%torque_lever_slope = (beside%torque_lever(beside%n) - place%torque_lever)/more
-                if (allocated(body_1%friction)) place%lever_along_slope = &
+                if (size(system%tangential, 2) > 0) place%lever_along_slope = &
                     & (lever_along(position, beside, beside%n) - place%lever_along)/more
             end associate
         end do

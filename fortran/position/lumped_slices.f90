@@ -17,7 +17,8 @@ module flankload_lumped_slices
     use flankload_near_field, only: image_displacement
     use flankload_contact_reach, only: is_level
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_mesh, only: body_type, mesh_type
+    use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, inclusion_margin, position_state, &
         & would_touch
     use flankload_slice_coupling, only: load_slices, widen_slices
@@ -40,10 +41,10 @@ module flankload_lumped_slices
 contains
 
     !> Solve one position for one torque.
-    subroutine solve_slices(body_1, body_2, torque, position, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine solve_slices(bodies, meshes, torque, position, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Torque on body 1, positive [N mm]
         real(wp), intent(in) :: torque
         !> Position; its near fields are updated for the torque
@@ -59,14 +60,14 @@ contains
         real(wp), dimension(size(position%zones)) :: forces, last
         type(lumped_system) :: system
 
-        call begin(body_1, body_2, torque, position, forces, included, state, error)
+        call begin(bodies, meshes, torque, position, forces, included, state, error)
         if (allocated(error)) return
         system%torque = torque
         system%full = position%part*torque/position%zones%lever
         allocate (system%places(size(included)), system%of(0))
         do pass = 1, max_passes
             if (size(system%of) /= count(included)) then
-                call couple(body_1, body_2, position, included, system)
+                call couple(bodies, meshes, position, included, system)
                 call take_parabolas(position, some_force(forces, system%full), system)
                 call reserve_pairs(state%pairs, size(system%of))
                 since_update = huge(1.0_wp)
@@ -74,7 +75,7 @@ contains
             end if
             if ((change <= nearly .and. since_update > settled) .or. (since_update < huge(1.0_wp) &
                 & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
-                call update_contacts(body_1, body_2, position, system, forces, state%pairs, error)
+                call update_contacts(bodies, meshes, position, system, forces, state%pairs, error)
                 if (allocated(error)) return
                 since_update = 0.0_wp
             else
@@ -97,7 +98,7 @@ contains
             included = included .or. would_touch(position, forces, state%rotation)
         end do
         if (done) then
-            call finish(body_1, body_2, position, system, forces, state, error)
+            call finish(position, system, forces, state, error)
         else
             call fatal_error(error, code_unsettled_widths)
         end if
@@ -116,10 +117,10 @@ contains
 
     !> Initialize near fields and forces, and find the contacts needed. All contacts are as wide as
     !> the widest one.
-    pure subroutine begin(body_1, body_2, torque, position, forces, included, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine begin(bodies, meshes, torque, position, forces, included, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
         !> The position
@@ -143,8 +144,8 @@ contains
             call fatal_error(error, code_conforms)
             return
         end if
-        call load_slices(body_1, body_2, torque, position)
-        flanks = flank_of(body_1%slices, position%zones%site)
+        call load_slices(bodies, meshes, torque, position)
+        flanks = flank_of(meshes(1)%slices, position%zones%site)
         matrix = position%coupling
         do z = 1, size(forces)
             width = max(position%widest(z), least_half_width(position%flank_length))
@@ -174,7 +175,7 @@ contains
         if (allocated(error)) return
         included = forces > 0.0_wp .or. position%gap < rotation &
             & + inclusion_margin*(rotation - minval(position%gap))
-        call widen_slices(body_1, body_2, forces, position)
+        call widen_slices(bodies, meshes, forces, position)
     end subroutine begin
 
     !> Set the half-widths of parabolic contacts.

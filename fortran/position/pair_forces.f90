@@ -13,7 +13,8 @@ module flankload_pair_forces
     use flankload_contact_loop, only: contact_result, method_auto, method_single, &
         & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
     use flankload_pair_influence, only: pair_influences
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_mesh, only: body_type, mesh_type
+    use flankload_position_zones, only: position_type
     use flankload_position_state, only: position_state, take_contact
     implicit none
     private
@@ -34,19 +35,16 @@ module flankload_pair_forces
 contains
 
     !> Compute K of the pairs and solve for their forces.
-    subroutine solve_pairs(body_1, body_2, position, warm_pairs, torque, finite_steps, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine solve_pairs(bodies, meshes, position, warm_pairs, torque, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Position, whose workspace is used
         type(position_type), intent(inout), target :: position
         !> Initial active set
         integer, intent(in) :: warm_pairs(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Number of steps of each force for influence coefficients of finite forces; 0: influence
-        !> coefficients of small forces
-        integer, intent(in) :: finite_steps
         !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found
@@ -61,7 +59,7 @@ contains
         end if
         if (.not. allocated(position%room)) allocate (position%room(n**2))
         matrix(1:n, 1:n) => position%room
-        call pair_influences(body_1, body_2, position%zones, state%pairs, matrix)
+        call pair_influences(bodies, meshes, position%zones, state%pairs, matrix)
         state%columns = state%columns + n
         if (allocated(state%pairs%friction)) then
             state%tangential_columns = state%tangential_columns + n
@@ -70,35 +68,34 @@ contains
         ! with friction several states may exist: all of K is checked
         if (allocated(state%pairs%friction)) structure = general_matrix
         call solve_matrix(matrix, structure, warm_pairs, torque, state, error)
-        if (finite_steps == 0 .or. allocated(error)) return
-        call follow_forces(body_1, body_2, position, matrix, torque, finite_steps, state, error)
+        if (meshes(1)%grid%finite_steps == 0 .or. allocated(error)) return
+        call follow_forces(bodies, meshes, position, matrix, torque, state, error)
     end subroutine solve_pairs
 
     !> Iterate the influence coefficients of finite forces and the forces until convergence.
-    subroutine follow_forces(body_1, body_2, position, matrix, torque, n_steps, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine follow_forces(bodies, meshes, position, matrix, torque, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(in) :: position
         !> K of small forces [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Number of steps of each force
-        integer, intent(in) :: n_steps
         !> State for small forces on entry, for finite forces on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found, or the forces do not converge
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, i
+        integer :: pass, i, n_steps
         real(wp), allocatable :: moves_1(:, :, :), moves_2(:, :, :), points_1(:, :), points_2(:, :)
         real(wp), allocatable :: before(:), changed(:, :), change(:), last_change(:)
         real(wp) :: part
 
-        call unit_displacements(body_1, position, state%pairs, 1, points_1, moves_1)
-        call unit_displacements(body_2, position, state%pairs, 2, points_2, moves_2)
+        n_steps = meshes(1)%grid%finite_steps
+        call unit_displacements(bodies(1), position, state%pairs, 1, points_1, moves_1)
+        call unit_displacements(bodies(2), position, state%pairs, 2, points_2, moves_2)
         before = state%forces
         allocate (change(state%pairs%n), source=0.0_wp)
         do pass = 1, max_finite_passes

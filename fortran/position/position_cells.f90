@@ -15,32 +15,14 @@ module flankload_position_cells
     use flankload_gap_shift, only: has_shift, shift_pairs
     use flankload_lumped_hertz, only: least_half_width, least_load_share
     use flankload_node_cells, only: circles_through, lay_on_nodes
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_mesh, only: body_type, grid_settings, mesh_type
+    use flankload_position_zones, only: position_type
     use flankload_slice_field, only: flank_of, slices_type
     implicit none
     private
 
-    public :: cells_type, grid_settings
-    public :: level_pairs, level_lumped
+    public :: cells_type
     public :: new_cells, measure_reach, reached_curvatures, lay_pairs, expected_pairs, check_grids
-
-    !> Contact models: pairs on cells, or one unknown per contact (lumped).
-    integer, parameter :: level_pairs = 0, level_lumped = 1
-
-    !> Contact model and discretization into cells.
-    type :: grid_settings
-        !> Contact model: level_pairs or level_lumped
-        integer :: level = level_pairs
-        !> Number of cells per Hertz half-width
-        real(wp) :: strips_per_half_width = 10.0_wp
-        !> The same if a sharp corner lies inside the grid
-        real(wp) :: corner_strips_per_half_width = 30.0_wp
-        !> Half-width of the grid in Hertz half-widths
-        real(wp) :: zone_half_widths = 2.5_wp
-        !> Number of steps of each force for influence coefficients of finite forces; 0: influence
-        !> coefficients of small forces
-        integer :: finite_steps = 0
-    end type grid_settings
 
     !> Cells of a position, and the estimates from which their sizes follow.
     type :: cells_type
@@ -136,14 +118,12 @@ contains
     end function reached_curvatures
 
     !> Make the cells and the pairs on them.
-    pure subroutine lay_pairs(body_1, body_2, position, settings, cells, pairs, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine lay_pairs(bodies, meshes, position, cells, pairs, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(in) :: position
-        !> Discretization into cells
-        type(grid_settings), intent(in) :: settings
         !> Cells with estimated half-widths; their grids are set
         type(cells_type), intent(inout) :: cells
         !> The pairs
@@ -160,17 +140,18 @@ contains
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
                     & edges_within(facing(site), zones(z), cells%reach(:, z)), &
                     & cells%widths(:, z)*one_sided(cells, z), &
-                    & settings%strips_per_half_width, settings%corner_strips_per_half_width)
+                    & meshes(1)%grid%strips_per_half_width, &
+                    & meshes(1)%grid%corner_strips_per_half_width)
             end do
             call part_grids(position, cells%included, grids)
-            if (cells%in_slices) call take_one_width(body_1%slices, zones, cells)
+            if (cells%in_slices) call take_one_width(meshes(1)%slices, zones, cells)
             do z = 1, size(zones)
                 if (cells%included(z)) call lay_cells_of(zones(z), grids(z))
             end do
             call reserve_pairs(pairs, sum(grids%n, mask=cells%included))
             do z = 1, size(zones)
                 if (.not. cells%included(z)) cycle
-                call append_cells(body_1, body_2, position, z, cells, pairs, error)
+                call append_cells(bodies, meshes, position, z, cells, pairs, error)
                 if (allocated(error)) return
             end do
         end associate
@@ -185,10 +166,10 @@ contains
             !> Grid of the zone
             type(grid_type), intent(inout) :: grid
 
-            if (allocated(body_1%compliance%nodes)) then
-                call lay_on_nodes(body_1%compliance%nodes, zone, grid)
-            else if (allocated(body_2%compliance%nodes)) then
-                call lay_on_nodes(circles_through(body_2%compliance%nodes, &
+            if (allocated(bodies(1)%compliance%nodes)) then
+                call lay_on_nodes(bodies(1)%compliance%nodes, zone, grid)
+            else if (allocated(bodies(2)%compliance%nodes)) then
+                call lay_on_nodes(circles_through(bodies(2)%compliance%nodes, &
                     & position%facing(zone%site), zone), zone, grid)
             else
                 call lay_cells(zone, grid)
@@ -226,10 +207,10 @@ contains
     end subroutine take_one_width
 
     !> Append the pairs on the cells of a zone.
-    pure subroutine append_cells(body_1, body_2, position, z, cells, pairs, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine append_cells(bodies, meshes, position, z, cells, pairs, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Position, and index of the zone
         type(position_type), intent(in) :: position
         integer, intent(in) :: z
@@ -249,16 +230,16 @@ contains
         associate (zone => position%zones(z), facing => position%facing(site))
             normal = contact_normal(facing, zone, cells%reach(:, z))
             call append_pairs(facing, zone, z, cells%grids(z), normal, &
-                & body_1%deviations(site) + body_2%deviations(site), pairs, found)
+                & position%deviation(site), pairs, found)
             if (.not. found) then
                 call fatal_error(error, code_circle_misses)
                 return
             end if
-            if (has_shift(body_1%compliance, body_2%compliance)) then
-                call shift_pairs(body_1%compliance, body_2%compliance, first, pairs)
+            if (has_shift(bodies(1)%compliance, bodies(2)%compliance)) then
+                call shift_pairs(bodies(1)%compliance, bodies(2)%compliance, first, pairs)
             end if
-            if (allocated(body_1%friction)) then
-                call add_friction(body_1%friction, zone%side*position%speeds, facing, zone, &
+            if (allocated(meshes(1)%friction)) then
+                call add_friction(meshes(1)%friction, zone%side*position%speeds, facing, zone, &
                     & first, pairs)
             end if
             if (zone%side < 0.0_wp) call take_out_of_mirror(first, pairs)

@@ -11,9 +11,10 @@ module flankload_position_load
     use flankload_lumped_slices, only: solve_slices
     use flankload_slice_coupling, only: check_slices, couple_slices
     use flankload_slice_field, only: flank_of
-    use flankload_position_zones, only: body_type, locate_contacts, position_type
-    use flankload_position_cells, only: cells_type, check_grids, expected_pairs, grid_settings, &
-        & lay_pairs, level_lumped, measure_reach, new_cells, reached_curvatures
+    use flankload_mesh, only: body_type, level_lumped, mesh_type
+    use flankload_position_zones, only: locate_contacts, position_type
+    use flankload_position_cells, only: cells_type, check_grids, expected_pairs, lay_pairs, &
+        & measure_reach, new_cells, reached_curvatures
     use flankload_known_contact, only: known_contact, solve_known
     use flankload_pair_forces, only: solve_pairs
     use flankload_position_state, only: blank_state, inclusion_margin, note_ends, &
@@ -34,22 +35,18 @@ contains
 
     !> Solve one position for several torques; the result for a torque does not depend on the other
     !> torques.
-    subroutine solve_position(body_1, body_2, angle_1, angle_2, torques, settings, states, speeds, &
-            & known, room)
-        !> The bodies
-        type(body_type), target, intent(in) :: body_1
-        type(body_type), target, intent(in) :: body_2
-        !> Rotation angles of the bodies [rad]
-        real(wp), intent(in) :: angle_1
-        real(wp), intent(in) :: angle_2
+    subroutine solve_position(bodies, meshes, angles, torques, states, speeds, known, room)
+        !> The bodies, and their meshes
+        type(body_type), target, intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> Rotation angles of the bodies [rad], shape (bodies)
+        real(wp), intent(in) :: angles(:)
         !> Torques on body 1 [N mm]
         real(wp), intent(in) :: torques(:)
-        !> Contact model and discretization into cells
-        type(grid_settings), intent(in) :: settings
         !> States, shape (torques); the status of a torque without a state is an error code
         type(position_state), intent(out) :: states(:)
-        !> Speeds of both bodies [rad per rad of the position], shape (2); needed with friction
-        real(wp), intent(in), optional :: speeds(2)
+        !> Speeds of the bodies [rad per rad of the position], shape (bodies); needed with friction
+        real(wp), intent(in), optional :: speeds(:)
         !> Pairs in contact in a similar position, shape (torques): if the number of pairs agrees,
         !> the state follows from these without a certificate; otherwise it is solved
         type(known_contact), intent(in), optional :: known(:)
@@ -66,15 +63,15 @@ contains
         located = .false.
         if (present(room)) call move_alloc(room, position%room)
         do t = 1, size(torques)
-            if (.not. located) call locate(torques(t), .not. allocated(body_1%slices), position)
+            if (.not. located) call locate(torques(t), .not. allocated(meshes(1)%slices), position)
             located = .not. (allocated(error) .or. position%conforms)
             contact = known_contact()
             if (present(known)) contact = known(t)
-            call solve_torque(body_1, body_2, torques(t), settings, contact, position, states(t), &
+            call solve_torque(bodies, meshes, torques(t), contact, position, states(t), &
                 & error)
             if (may_miss(position, states(t), allocated(error))) then
                 call locate(torques(t), .true., whole)
-                call solve_torque(body_1, body_2, torques(t), settings, known_contact(), whole, &
+                call solve_torque(bodies, meshes, torques(t), known_contact(), whole, &
                     & states(t), error)
             end if
             if (allocated(error)) then
@@ -97,16 +94,15 @@ contains
 
             real(wp), allocatable :: kept(:)
 
-            if (allocated(body_1%slices)) then
-                call check_slices(body_1, body_2, settings%level == level_lumped, &
-                    & settings%finite_steps, error)
+            if (allocated(meshes(1)%slices)) then
+                call check_slices(bodies, meshes, error)
                 if (allocated(error)) return
             end if
             call move_alloc(at%room, kept)
-            call locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, at, error)
+            call locate_contacts(bodies, meshes, angles, torque, everywhere, at, error)
             call move_alloc(kept, at%room)
-            if (allocated(body_1%slices) .and. .not. allocated(error)) then
-                call couple_slices(body_1, body_2, at)
+            if (allocated(meshes(1)%slices) .and. .not. allocated(error)) then
+                call couple_slices(bodies, meshes, at)
             end if
             if (present(speeds)) at%speeds = speeds
         end subroutine locate
@@ -114,14 +110,12 @@ contains
     end subroutine solve_position
 
     !> Solve a position for one torque.
-    subroutine solve_torque(body_1, body_2, torque, settings, contact, position, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine solve_torque(bodies, meshes, torque, contact, position, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Contact model and discretization into cells
-        type(grid_settings), intent(in) :: settings
         !> Pairs in contact, if known from a similar position
         type(known_contact), intent(in) :: contact
         !> The position
@@ -132,15 +126,15 @@ contains
         type(error_type), allocatable, intent(inout) :: error
 
         if (allocated(error)) return
-        call blank_state(size(body_1%site_angles), state)
+        call blank_state(size(bodies(1)%site_angles), state)
         if (torque <= 0.0_wp .and. .not. presses_across(position)) then
             call unloaded_state(position, state)
-        else if (allocated(body_1%slices) .and. settings%level == level_lumped) then
-            call solve_slices(body_1, body_2, torque, position, state, error)
-        else if (settings%level == level_lumped) then
-            call solve_lumped(body_1, body_2, position, torque, state, error)
+        else if (allocated(meshes(1)%slices) .and. meshes(1)%grid%level == level_lumped) then
+            call solve_slices(bodies, meshes, torque, position, state, error)
+        else if (meshes(1)%grid%level == level_lumped) then
+            call solve_lumped(bodies, meshes, position, torque, state, error)
         else
-            call solve_load(body_1, body_2, position, torque, settings, contact, state, error)
+            call solve_load(bodies, meshes, position, torque, contact, state, error)
         end if
         if (allocated(position%ends) .and. .not. allocated(error)) call note_ends(position, state)
     end subroutine solve_torque
@@ -168,17 +162,15 @@ contains
     end function may_miss
 
     !> Solve a position for one torque on cells.
-    subroutine solve_load(body_1, body_2, position, torque, settings, contact, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine solve_load(bodies, meshes, position, torque, contact, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Position; the near fields of slices are updated for the torque
         type(position_type), intent(inout) :: position
         !> Torque on body 1 [N mm], positive unless flanks are pressed against each other across the
         !> teeth
         real(wp), intent(in) :: torque
-        !> Discretization into cells
-        type(grid_settings), intent(in) :: settings
         !> Pairs in contact, if known from a similar position
         type(known_contact), intent(in) :: contact
         !> State; blank on entry
@@ -191,22 +183,22 @@ contains
         logical, allocatable :: touches(:)
         logical :: settled
 
-        if (allocated(body_1%slices)) then
-            call expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
+        if (allocated(meshes(1)%slices)) then
+            call expect_in_slices(bodies, meshes, position, torque, cells, state, error)
         else
-            call expect_cells(position, torque, settings, cells, state, error)
+            call expect_cells(meshes(1), position, torque, cells, state, error)
         end if
         if (allocated(error)) return
         associate (zones => position%zones)
             do pass = 1, max_passes
                 state%passes = pass
                 if (pass > 1) call measure_reach(position, cells)
-                call lay_pairs(body_1, body_2, position, settings, cells, state%pairs, error)
+                call lay_pairs(bodies, meshes, position, cells, state%pairs, error)
                 if (allocated(error)) return
                 if (pass == 1) call continue_contact(settled)
                 if (settled) exit
-                call solve_pairs(body_1, body_2, position, expected_pairs(state%pairs, zones, &
-                    & cells), torque, settings%finite_steps, state, error)
+                call solve_pairs(bodies, meshes, position, expected_pairs(state%pairs, zones, &
+                    & cells), torque, state, error)
                 if (allocated(error)) return
                 call check_grids(state%forces, cells, settled)
                 touches = would_touch(position, cells%estimate, state%rotation)
@@ -229,21 +221,21 @@ contains
             logical, intent(out) :: solved
 
             solved = .false.
-            if (.not. allocated(contact%touches) .or. settings%finite_steps > 0) return
+            if (.not. allocated(contact%touches) .or. meshes(1)%grid%finite_steps > 0) return
             if (size(contact%touches) /= state%pairs%n) return
-            call solve_known(body_1, body_2, position%zones, contact%touches, torque, state, solved)
+            call solve_known(bodies, meshes, position%zones, contact%touches, torque, state, solved)
         end subroutine continue_contact
 
     end subroutine solve_load
 
     !> Estimate the cells by the forces of lumped contacts.
-    subroutine expect_cells(position, torque, settings, cells, state, error)
+    subroutine expect_cells(mesh, position, torque, cells, state, error)
+        !> The mesh
+        type(mesh_type), intent(in) :: mesh
         !> The position
         type(position_type), intent(in) :: position
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Discretization into cells
-        type(grid_settings), intent(in) :: settings
         !> Cells with estimated half-widths, still without grids
         type(cells_type), intent(out) :: cells
         !> State, whose counters are increased
@@ -260,7 +252,7 @@ contains
             if (allocated(error)) return
             cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. gap &
                 & < zones%side*rotation + inclusion_margin*maxval(zones%side*rotation - gap), &
-                & settings)
+                & mesh%grid)
             call measure_reach(position, cells)
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > curvature_tolerance*curvatures)) then
@@ -274,16 +266,14 @@ contains
     end subroutine expect_cells
 
     !> Estimate the cells by the lumped forces of the slices.
-    subroutine expect_in_slices(body_1, body_2, position, torque, settings, cells, state, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    subroutine expect_in_slices(bodies, meshes, position, torque, cells, state, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Position; its near fields are updated for the torque
         type(position_type), intent(inout) :: position
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
-        !> Discretization into cells
-        type(grid_settings), intent(in) :: settings
         !> Cells with estimated half-widths, still without grids
         type(cells_type), intent(out) :: cells
         !> State, whose counters are increased
@@ -295,8 +285,8 @@ contains
         real(wp) :: estimate(size(position%zones))
         type(position_state) :: lumped
 
-        call blank_state(size(body_1%site_angles), lumped)
-        call solve_slices(body_1, body_2, torque, position, lumped, error)
+        call blank_state(size(bodies(1)%site_angles), lumped)
+        call solve_slices(bodies, meshes, torque, position, lumped, error)
         state%pivots = state%pivots + lumped%pivots
         state%lumped_solutions = state%lumped_solutions + lumped%lumped_solutions
         state%largest_part = lumped%largest_part
@@ -312,7 +302,7 @@ contains
             ! contacts hardly longer than wide are no line contacts: spread the load evenly over the
             ! flank that touches first
             deallocate (error)
-            associate (flanks => flank_of(body_1%slices, position%zones%site))
+            associate (flanks => flank_of(meshes(1)%slices, position%zones%site))
                 where (flanks == flanks(minloc(position%gap, dim=1))) estimate &
                     & = position%part*torque/position%zones%lever
             end associate
@@ -320,7 +310,7 @@ contains
         end if
         cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. position%gap &
             & < lumped%rotation + inclusion_margin*(lumped%rotation - minval(position%gap)), &
-            & settings)
+            & meshes(1)%grid)
         call measure_reach(position, cells)
     end subroutine expect_in_slices
 

@@ -8,8 +8,7 @@ module flankload_position_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_status, only: no_contact_state, code_no_room, code_stopped
-    use flankload_position_zones, only: body_type
-    use flankload_position_cells, only: grid_settings
+    use flankload_mesh, only: body_type, mesh_type
     use flankload_known_contact, only: contact_of, known_contact, known_contacts
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
@@ -72,21 +71,18 @@ module flankload_position_sweep
 contains
 
     !> Solve every position for every torque.
-    subroutine sweep_positions(body_1, body_2, angles_1, angles_2, speeds, torques, settings, &
-            & control, pair_site, pair_table, found, known)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
-        !> Angles of the bodies [rad], shape (positions)
-        real(wp), intent(in) :: angles_1(:)
-        real(wp), intent(in) :: angles_2(:)
-        !> Speeds of both bodies [rad per rad of the position], shape (2, positions), or (2, 0)
-        !> without friction
+    subroutine sweep_positions(bodies, meshes, angles, speeds, torques, control, pair_site, &
+            & pair_table, found, known)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> Angles of the bodies [rad], shape (bodies, positions)
+        real(wp), intent(in) :: angles(:, :)
+        !> Speeds of the bodies [rad per rad of the position], shape (bodies, positions), or
+        !> (bodies, 0) without friction
         real(wp), intent(in) :: speeds(:, :)
         !> Torques on body 1 [N mm]
         real(wp), intent(in) :: torques(:)
-        !> Discretization into cells
-        type(grid_settings), intent(in) :: settings
         !> Shared with the caller during the call. (1): a nonzero value stops the sweep before
         !> positions that have not begun; (2): number of completed positions
         integer, intent(inout) :: control(2)
@@ -103,10 +99,10 @@ contains
         integer :: k, used, asked_to_stop
         real(wp), allocatable :: room(:)
 
-        call reserve(found, size(body_1%site_angles), size(angles_1), size(torques))
+        call reserve(found, size(bodies(1)%site_angles), size(angles, 2), size(torques))
         used = 0
         !$omp parallel do schedule(dynamic) private(asked_to_stop, room)
-        do k = 1, size(angles_1)
+        do k = 1, size(angles, 2)
             ! atomic: another thread of the caller writes it, so each read must access memory
             !$omp atomic read
             asked_to_stop = control(1)
@@ -138,11 +134,11 @@ contains
                 end do
             end if
             if (size(speeds, 2) > 0) then
-                call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
-                    & states, speeds(:, at), contacts, room)
+                call solve_position(bodies, meshes, angles(:, at), torques, states, &
+                    & speeds(:, at), contacts, room)
             else
-                call solve_position(body_1, body_2, angles_1(at), angles_2(at), torques, settings, &
-                    & states, known=contacts, room=room)
+                call solve_position(bodies, meshes, angles(:, at), torques, states, &
+                    & known=contacts, room=room)
             end if
             needed = 0
             if (most > 0) needed = sum(states%pairs%n, mask=states%status >= 0)

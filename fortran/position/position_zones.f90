@@ -6,53 +6,30 @@ module flankload_position_zones
         & code_only_ends
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: curve_length, new_frame
-    use flankload_friction, only: friction_type
     use flankload_compliance_field, only: compliance_type
-    use flankload_slice_field, only: mean_width, shaft_type, slice_of, slices_type
-    use flankload_circle_pair, only: facing_type, flank_type
+    use flankload_slice_field, only: mean_width, slice_of
+    use flankload_circle_pair, only: facing_type
     use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_coefficients, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width, usual_half_width
+    use flankload_mesh, only: body_type, mesh_type
     use flankload_near_field, only: image_displacement, image_type, &
         & near_field_between, new_image
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
     implicit none
     private
 
-    public :: body_type, position_type
+    public :: position_type
     public :: locate_contacts, lever_share
-
-    !> Body: flanks, sites, and compliance.
-    type :: body_type
-        !> Flank of the body; if it varies along the face width, the flanks of all slices, which
-        !> have the same breaks
-        type(flank_type), allocatable :: flanks(:)
-        type(compliance_type) :: compliance
-        !> Axis [mm]
-        real(wp) :: origin(2) = 0.0_wp
-        !> Angle of each site's flank in the frame of the body [rad], shape (sites)
-        real(wp), allocatable :: site_angles(:)
-        !> Deviation of each site's flank along the normal, positive out of the material [mm], shape
-        !> (sites)
-        real(wp), allocatable :: deviations(:)
-        !> Side of each site (body 1 only): 1 for working flanks, which come first, -1 for coast
-        !> flanks, whose angles are those of the mirrored bodies, shape (sites); not allocated
-        !> without coast flanks
-        integer, allocatable :: sides(:)
-        !> Friction with the flanks of body 2 (body 1 only); not allocated without friction
-        type(friction_type), allocatable :: friction
-        !> Slices along the face width (body 1 only): each site is a slice of a flank pair, with the
-        !> angle of its section; not allocated in the plane
-        type(slices_type), allocatable :: slices
-        !> Shaft and bearings of a body in slices; not allocated if its bore is fixed
-        type(shaft_type), allocatable :: shaft
-    end type body_type
 
     !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
         !> Flanks of the bodies at each site and their frames, shape (sites)
         type(facing_type), allocatable :: facing(:)
+        !> Deviations of both flanks of each site along the normal, positive out of the material
+        !> [mm], shape (sites)
+        real(wp), allocatable :: deviation(:)
         !> Zones, those of a site consecutive, and their gap angles with all deviations and shifts
         !> [rad], shape (zones)
         type(zone_type), allocatable :: zones(:)
@@ -107,14 +84,12 @@ module flankload_position_zones
 contains
 
     !> Find the points of least gap, and the compliance between them in the plane.
-    subroutine locate_contacts(body_1, body_2, angle_1, angle_2, torque, everywhere, &
-            & position, error)
-        !> The bodies
-        type(body_type), target, intent(in) :: body_1
-        type(body_type), target, intent(in) :: body_2
-        !> Rotation angles of the bodies [rad]
-        real(wp), intent(in) :: angle_1
-        real(wp), intent(in) :: angle_2
+    subroutine locate_contacts(bodies, meshes, angles, torque, everywhere, position, error)
+        !> The bodies, and their meshes
+        type(body_type), target, intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> Rotation angles of the bodies [rad], shape (bodies)
+        real(wp), intent(in) :: angles(:)
         !> Torque on body 1 [N mm]; used only if flanks conform
         real(wp), intent(in) :: torque
         !> True if slices far from each other are searched as well
@@ -124,11 +99,11 @@ contains
         !> Set if no flanks meet, or a minimum of the gap could not be computed exactly
         type(error_type), allocatable, intent(out) :: error
 
-        logical :: faces(size(body_1%site_angles))
+        logical :: faces(size(bodies(1)%site_angles))
         type(zone_type), allocatable :: zones(:)
 
-        call place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
-        call search_sites(body_1, body_2, faces, torque, position, zones, error)
+        call place_flanks(bodies, meshes, angles, everywhere, position, faces)
+        call search_sites(bodies, meshes, faces, torque, position, zones, error)
         if (allocated(error)) return
         if (.not. any(zones%side > 0.0_wp)) then
             call fatal_error(error, code_no_zone)
@@ -136,31 +111,31 @@ contains
         end if
         if (any(zones%left_out)) then
             position%ends = pack(zones, zones%left_out)
-            position%end_gap = gaps_without_load(body_1, body_2, position%ends)
+            position%end_gap = gaps_without_load(bodies, position%deviation, position%ends)
         end if
         position%zones = pack(zones, .not. zones%left_out)
         if (.not. any(position%zones%side > 0.0_wp)) then
             call fatal_error(error, code_only_ends)
             return
         end if
-        if (has_shift(body_1%compliance, body_2%compliance)) then
-            call shift_zones(position%facing, body_1%compliance, body_2%compliance, position%zones)
+        if (has_shift(bodies(1)%compliance, bodies(2)%compliance)) then
+            call shift_zones(position%facing, bodies(1)%compliance, bodies(2)%compliance, &
+                & position%zones)
         end if
-        position%gap = gaps_without_load(body_1, body_2, position%zones)
+        position%gap = gaps_without_load(bodies, position%deviation, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
-        if (.not. allocated(body_1%slices)) then
-            call couple_zones(body_1%compliance, body_2%compliance, position)
+        if (.not. allocated(meshes(1)%slices)) then
+            call couple_zones(bodies(1)%compliance, bodies(2)%compliance, position)
         end if
     end subroutine locate_contacts
 
     !> Compute the frames of the flanks, and choose the sites to be searched.
-    subroutine place_flanks(body_1, body_2, angle_1, angle_2, everywhere, position, faces)
-        !> The bodies
-        type(body_type), target, intent(in) :: body_1
-        type(body_type), target, intent(in) :: body_2
-        !> Rotation angles of the bodies [rad]
-        real(wp), intent(in) :: angle_1
-        real(wp), intent(in) :: angle_2
+    subroutine place_flanks(bodies, meshes, angles, everywhere, position, faces)
+        !> The bodies, and their meshes
+        type(body_type), target, intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> Rotation angles of the bodies [rad], shape (bodies)
+        real(wp), intent(in) :: angles(:)
         !> True if slices far from each other are searched as well
         logical, intent(in) :: everywhere
         !> Position; its frames and the bound of the sites that are not searched are set
@@ -176,27 +151,28 @@ contains
 
         n_sites = size(faces)
         allocate (position%facing(n_sites))
-        position%flank_length = curve_length(body_1%flanks(1)%curve)
+        position%deviation = bodies(1)%deviations + bodies(2)%deviations
+        position%flank_length = curve_length(bodies(1)%flanks(1)%curve)
         sides = 1
-        if (allocated(body_1%sides)) sides = body_1%sides
+        if (allocated(meshes(1)%sides)) sides = meshes(1)%sides
         n_working = count(sides > 0)
-        faces(:n_working) = sites_that_face(body_1, body_2, angle_1, 1, n_working)
+        faces(:n_working) = sites_that_face(bodies, angles(1), 1, n_working)
         if (n_working < n_sites) then
-            faces(n_working + 1:) = sites_that_face(body_1, body_2, -angle_1, n_working + 1, &
+            faces(n_working + 1:) = sites_that_face(bodies, -angles(1), n_working + 1, &
                 & n_sites)
         end if
         bounds = huge(1.0_wp)
         do site = 1, n_sites
             associate (facing => position%facing(site))
-                facing%flank_1 => body_1%flanks(section_at(body_1, site))
-                facing%flank_2 => body_2%flanks(section_at(body_2, site))
-                facing%frame_1 = new_frame(body_1%origin, &
-                    & sides(site)*angle_1 + body_1%site_angles(site))
-                facing%frame_2 = new_frame(body_2%origin, &
-                    & sides(site)*angle_2 + body_2%site_angles(site))
+                facing%flank_1 => bodies(1)%flanks(section_at(bodies(1), site))
+                facing%flank_2 => bodies(2)%flanks(section_at(bodies(2), site))
+                facing%frame_1 = new_frame(meshes(1)%axes(:, 1), &
+                    & sides(site)*angles(1) + bodies(1)%site_angles(site))
+                facing%frame_2 = new_frame(meshes(1)%axes(:, 2), &
+                    & sides(site)*angles(2) + bodies(2)%site_angles(site))
             end associate
             if (everywhere .or. .not. faces(site)) cycle
-            if (is_same_section(body_1, body_2, site)) then
+            if (is_same_section(bodies, meshes, site)) then
                 bounds(site) = bounds(max(1, site - 1))
             else
                 bounds(site) = coarse_gap(position%facing(site))
@@ -204,20 +180,20 @@ contains
         end do
         if (everywhere) return
         ! flanks of all slices have the same radii
-        associate (flank => body_1%flanks(1))
+        associate (flank => bodies(1)%flanks(1))
             radius = [flank%radius(flank%first_rising), maxval(flank%radius)]
         end associate
-        bounds = bounds - max(0.0_wp, body_1%deviations + body_2%deviations)/(least_lever &
-            & *radius(1)) - min(0.0_wp, body_1%deviations + body_2%deviations)/radius(2)
+        bounds = bounds - max(0.0_wp, position%deviation)/(least_lever*radius(1)) &
+            & - min(0.0_wp, position%deviation)/radius(2)
         faces = faces .and. bounds <= minval(bounds) + search_margin*position%flank_length/radius(2)
         position%unseen = minval(bounds, mask=.not. faces)
     end subroutine place_flanks
 
     !> Find the points of least gap of the sites, including those at cut ends.
-    pure subroutine search_sites(body_1, body_2, faces, torque, position, zones, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine search_sites(bodies, meshes, faces, torque, position, zones, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> True for sites to be searched, shape (sites)
         logical, intent(in) :: faces(:)
         !> Torque on body 1 [N mm]
@@ -239,13 +215,13 @@ contains
         n_zones = 0
         before = 0
         allocate (sides(n_sites), source=1)
-        if (allocated(body_1%sides)) sides = body_1%sides
-        closed_moment = closed_part*(body_1%compliance%kernel + body_2%compliance%kernel) &
+        if (allocated(meshes(1)%sides)) sides = meshes(1)%sides
+        closed_moment = closed_part*(bodies(1)%compliance%kernel + bodies(2)%compliance%kernel) &
             & *torque/count(sides > 0)
-        if (allocated(body_1%slices)) closed_moment = closed_moment/mean_width(body_1%slices)
+        if (allocated(meshes(1)%slices)) closed_moment = closed_moment/mean_width(meshes(1)%slices)
         do site = 1, n_sites
             if (.not. faces(site)) cycle
-            if (is_same_section(body_1, body_2, site) .and. faces(max(1, site - 1))) then
+            if (is_same_section(bodies, meshes, site) .and. faces(max(1, site - 1))) then
                 call repeat_zones(site, before, zones, n_zones)
                 cycle
             end if
@@ -280,20 +256,20 @@ contains
 
     !> Return whether a site is the next slice of the same flanks, and not rotated relative to the
     !> previous one.
-    pure function is_same_section(body_1, body_2, site) result(same)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure function is_same_section(bodies, meshes, site) result(same)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The site
         integer, intent(in) :: site
         logical :: same
 
         same = .false.
-        if (.not. allocated(body_1%slices)) return
-        if (max(size(body_1%flanks), size(body_2%flanks)) > 1) return
-        if (slice_of(body_1%slices, site) == 1) return
-        same = .not. (abs(body_1%site_angles(site) - body_1%site_angles(site - 1)) > 0.0_wp &
-            & .or. abs(body_2%site_angles(site) - body_2%site_angles(site - 1)) > 0.0_wp)
+        if (.not. allocated(meshes(1)%slices)) return
+        if (max(size(bodies(1)%flanks), size(bodies(2)%flanks)) > 1) return
+        if (slice_of(meshes(1)%slices, site) == 1) return
+        same = .not. (abs(bodies(1)%site_angles(site) - bodies(1)%site_angles(site - 1)) > 0.0_wp &
+            & .or. abs(bodies(2)%site_angles(site) - bodies(2)%site_angles(site - 1)) > 0.0_wp)
     end function is_same_section
 
     !> Append copies of the zones of the previous site for a site with the same frames.
@@ -372,18 +348,19 @@ contains
     end subroutine add_far_fields
 
     !> Return the gap angles with all deviations and shifts [rad].
-    pure function gaps_without_load(body_1, body_2, zones) result(gap)
+    pure function gaps_without_load(bodies, deviation, zones) result(gap)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), intent(in) :: bodies(:)
+        !> Deviations of the flanks of each site [mm], shape (sites)
+        real(wp), intent(in) :: deviation(:)
         !> Zones
         type(zone_type), intent(in) :: zones(:)
         real(wp) :: gap(size(zones))
 
         gap = zones%gap_angle &
-            & - (body_1%deviations(zones%site) + body_2%deviations(zones%site))/zones%lever
-        if (has_shift(body_1%compliance, body_2%compliance)) gap = gap &
-            & - zone_shift(body_1%compliance, body_2%compliance, zones)/zones%lever
+            & - deviation(zones%site)/zones%lever
+        if (has_shift(bodies(1)%compliance, bodies(2)%compliance)) gap = gap &
+            & - zone_shift(bodies(1)%compliance, bodies(2)%compliance, zones)/zones%lever
     end function gaps_without_load
 
     !> Return the weight of body 1 in the common lever of both bodies: its fraction of the normal
@@ -435,10 +412,9 @@ contains
     !>
     !> If the sites go around a body more than once, several sites name the same tooth: only the one
     !> within half a turn of either body is kept.
-    pure function sites_that_face(body_1, body_2, angle_1, first, last) result(faces)
+    pure function sites_that_face(bodies, angle_1, first, last) result(faces)
         !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+        type(body_type), intent(in) :: bodies(:)
         !> Rotation angle of body 1 [rad]
         real(wp), intent(in) :: angle_1
         !> First and last site of the same side
@@ -453,8 +429,8 @@ contains
         n = size(faces)
         faces = .true.
         if (n < 2) return
-        turn_1 = body_1%site_angles(last) - body_1%site_angles(first)
-        turn_2 = body_2%site_angles(last) - body_2%site_angles(first)
+        turn_1 = bodies(1)%site_angles(last) - bodies(1)%site_angles(first)
+        turn_2 = bodies(2)%site_angles(last) - bodies(2)%site_angles(first)
         span_1 = abs(turn_1)
         span_2 = abs(turn_2)
         widest = max(span_1, span_2)
@@ -462,12 +438,12 @@ contains
         if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
         ! flanks meet between both axes, or beyond O1 if both bodies rotate in the same direction
         meshing = merge(half_turn, 0.0_wp, turn_1*turn_2 > 0.0_wp)
-        associate (point => body_1%flanks(1)%point(:, size(body_1%flanks(1)%s)/2))
+        associate (point => bodies(1)%flanks(1)%point(:, size(bodies(1)%flanks(1)%s)/2))
             ! a flank is near its own axis or near the mesh: the branch cut is far from both
             polar = modulo(atan2(point(2), point(1)) + 0.5_wp*half_turn, 2.0_wp*half_turn) &
                 & - 0.5_wp*half_turn
         end associate
-        faces = abs(polar - meshing + angle_1 + body_1%site_angles(first:last)) &
+        faces = abs(polar - meshing + angle_1 + bodies(1)%site_angles(first:last)) &
             & <= half_turn*span_1/widest
     end function sites_that_face
 

@@ -1,20 +1,22 @@
-!> Reading of a body record: each part is copied to its component of body_type.
+!> Reading of the records of bodies and meshes: each part is copied to its component of body_type or
+!> mesh_type.
 module flankload_recorded_body
     use flankload_kinds, only: wp
     use flankload_flank_curve, only: new_flank_curve
     use flankload_circle_pair, only: new_flank
     use flankload_friction, only: new_friction
     use flankload_compliance_field, only: compliance_type
-    use flankload_position_zones, only: body_type
-    use flankload_body_record, only: are_valid, counts_in, is_record, last_part, part_along, &
-        & part_axial, part_block, part_breaks, part_coefficients, part_corners, part_deviations, &
-        & part_friction, part_jump, part_kernel, part_mode_range, part_nodes, part_shift, &
-        & part_sections, part_shaft, part_sides, part_site_angles, part_slices, part_smooth, &
-        & part_tangential, part_tip, part_turned, part_wedge, part_wedge_along, place_in, shape_in
+    use flankload_mesh, only: body_type, grid_settings, mesh_type
+    use flankload_body_record, only: are_valid, body_mark, counts_in, is_record, last_part, &
+        & mesh_mark, part_along, part_axial, part_block, part_breaks, part_coefficients, &
+        & part_corners, part_deviations, part_friction, part_jump, part_kernel, part_mesh, &
+        & part_mode_range, part_nodes, part_sections, part_shaft, part_shift, part_sides, &
+        & part_site_angles, part_slices, part_smooth, part_tangential, part_tip, part_turned, &
+        & part_wedge, part_wedge_along, place_in, shape_in
     implicit none
     private
 
-    public :: read_body
+    public :: read_body, read_mesh
 
     !> Copy a part of any rank; if it is absent, the array is not allocated.
     interface take
@@ -29,15 +31,14 @@ contains
     pure subroutine read_body(record, body, valid)
         !> The record
         real(wp), intent(in) :: record(:)
-        !> The body, its axis at the origin
+        !> The body
         type(body_type), intent(out) :: body
         !> False if the array is not a record, or a value in it is invalid
         logical, intent(out) :: valid
 
-        real(wp), allocatable :: breaks(:), corners(:), sides(:)
-        real(wp), allocatable :: friction(:, :), edges(:), shaft(:)
+        real(wp), allocatable :: breaks(:), corners(:), shaft(:)
 
-        valid = is_record(record)
+        valid = is_record(body_mark, record)
         if (valid) valid = has_valid_parts(record)
         if (.not. valid) return
         call take(record, part_breaks, breaks)
@@ -45,15 +46,6 @@ contains
         call read_flanks(record, breaks, nint(corners), body)
         call take(record, part_site_angles, body%site_angles)
         call take(record, part_deviations, body%deviations)
-        call take(record, part_sides, sides)
-        if (allocated(sides)) body%sides = nint(sides)
-        call take(record, part_friction, friction)
-        if (allocated(friction)) body%friction = new_friction(friction(:, 1), friction(:, 2:))
-        call take(record, part_slices, edges)
-        if (allocated(edges)) then
-            allocate (body%slices)
-            call move_alloc(edges, body%slices%edges)
-        end if
         call take(record, part_shaft, shaft)
         if (allocated(shaft)) then
             allocate (body%shaft)
@@ -65,6 +57,37 @@ contains
         ! tables between nodes already include images behind free corners
         valid = .not. (allocated(body%compliance%nodes) .and. any(body%compliance%wedge > 0.0_wp))
     end subroutine read_body
+
+    !> Read a mesh from its record.
+    pure subroutine read_mesh(record, mesh, valid)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> The mesh
+        type(mesh_type), intent(out) :: mesh
+        !> False if the array is not a record, or a value in it is invalid
+        logical, intent(out) :: valid
+
+        real(wp) :: values(10)
+        real(wp), allocatable :: sides(:), friction(:, :), edges(:)
+
+        valid = is_record(mesh_mark, record)
+        if (valid) valid = has_valid_parts(record)
+        if (.not. valid) return
+        call take_few(record, part_mesh, values)
+        mesh%axes = reshape(values(:4), [2, 2])
+        mesh%twist = values(5)
+        mesh%grid = grid_settings(nint(values(9)), values(6), values(7), values(8), &
+            & nint(values(10)))
+        call take(record, part_sides, sides)
+        if (allocated(sides)) mesh%sides = nint(sides)
+        call take(record, part_friction, friction)
+        if (allocated(friction)) mesh%friction = new_friction(friction(:, 1), friction(:, 2:))
+        call take(record, part_slices, edges)
+        if (allocated(edges)) then
+            allocate (mesh%slices)
+            call move_alloc(edges, mesh%slices%edges)
+        end if
+    end subroutine read_mesh
 
     !> Read the flank of a body, or its flanks in all slices.
     pure subroutine read_flanks(record, breaks, corners, body)

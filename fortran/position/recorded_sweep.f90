@@ -1,26 +1,82 @@
-!> Sweep of two body records: check of the arguments, reading of the records, and copy of the
-!> results.
+!> Sweep of two bodies and their mesh by their records: check of the arguments, reading of the
+!> records, and copy of the results.
 module flankload_recorded_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_input
-    use flankload_position_zones, only: body_type
+    use flankload_mesh, only: body_type, level_lumped, mesh_type
+    use flankload_body_record, only: body_mark, counts_in, counts_type, is_record, mesh_mark, &
+        & mesh_parts, part_axial, part_mesh, place_in, record_length, start_record, write_part
     use flankload_known_contact, only: known_contacts
-    use flankload_position_cells, only: grid_settings, level_lumped, level_pairs
     use flankload_position_sweep, only: n_counters, pair_columns, pair_columns_with_friction, &
         & sweep_positions, sweep_type
-    use flankload_recorded_body, only: read_body
+    use flankload_recorded_body, only: read_body, read_mesh
     use flankload_slice_field, only: holds_slices
     implicit none
     private
 
-    public :: sweep_records, unpack_sweep
+    public :: has_mesh_parts, sweep_records, sweep_two, unpack_sweep
 
 contains
 
-    !> Sweep two bodies; arguments and info are those of flankload_sweep_continued.
-    subroutine sweep_records(n_sites, motion, center_distance, torques, record_1, record_2, &
-            & settings, control, pair_site, pair_table, found, info, known)
+    !> Sweep two bodies; arguments and info are those of flankload_sweep_mesh.
+    subroutine sweep_records(n_sites, motion, torques, mesh, record_1, record_2, control, &
+            & pair_site, pair_table, known, found, info)
+        !> As in flankload_sweep_mesh
+        integer, intent(in) :: n_sites
+        real(wp), intent(in) :: motion(:, :)
+        real(wp), intent(in) :: torques(:)
+        real(wp), intent(in) :: mesh(:)
+        real(wp), intent(in) :: record_1(:)
+        real(wp), intent(in) :: record_2(:)
+        integer, intent(inout) :: control(2)
+        integer, intent(inout) :: pair_site(:)
+        real(wp), intent(inout) :: pair_table(:, :)
+        !> Pairs in contact in a similar sweep
+        type(known_contacts), intent(in) :: known
+        !> The results
+        type(sweep_type), intent(out) :: found
+        !> 0, or number of states without a solution; -i: argument i is invalid, and there are no
+        !> results
+        integer, intent(out) :: info
+
+        integer :: n_speeds, n_columns
+        logical :: valid(3)
+        type(counts_type) :: n
+        type(body_type) :: bodies(2)
+        type(mesh_type) :: meshes(1)
+
+        call read_mesh(mesh, meshes(1), valid(1))
+        call read_body(record_1, bodies(1), valid(2))
+        call read_body(record_2, bodies(2), valid(3))
+        info = 0
+        if (.not. all(valid)) info = -(5 + 2*findloc(valid, .false., dim=1))
+        if (.not. all(ieee_is_finite(torques))) info = -5
+        if (info < 0) return
+        if (any(torques < 0.0_wp)) info = -5
+        ! what belongs to the mesh is in its own record, or in that of body 1
+        n = counts_in(mesh)
+        if (n%sites /= n_sites) info = -7
+        if (has_mesh_parts(record_2)) info = -11
+        if (meshes(1)%grid%level == level_lumped .and. allocated(meshes(1)%sides)) info = -7
+        call check_bodies(bodies, meshes(1), n_sites, info)
+        n_speeds = merge(size(motion, 2), 0, allocated(meshes(1)%friction))
+        if (.not. all(ieee_is_finite(motion(3:, :n_speeds)))) info = -4
+        n_columns = merge(pair_columns_with_friction, pair_columns, n_speeds > 0)
+        if (size(pair_table, 1) /= n_columns) info = -12
+        if (any(known%n_pairs < 0)) info = -19
+        if (any(known%n_pairs > 0 .and. (known%first_pair < 1 &
+            & .or. known%first_pair > size(known%touches) - known%n_pairs + 1))) info = -20
+        if (info < 0) return
+        call sweep_positions(bodies, meshes, motion(:2, :), motion(3:, :n_speeds), torques, &
+            & control, pair_site, pair_table, found, known)
+        info = count(found%status < 0)
+    end subroutine sweep_records
+
+    !> Sweep two bodies by the arguments of flankload_sweep_continued, whose record of body 1 has
+    !> the parts of the mesh; info is that of this procedure.
+    subroutine sweep_two(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
+            & control, pair_site, pair_table, known, found, info)
         !> As in flankload_sweep
         integer, intent(in) :: n_sites
         real(wp), intent(in) :: motion(:, :)
@@ -32,92 +88,103 @@ contains
         integer, intent(inout) :: control(2)
         integer, intent(inout) :: pair_site(:)
         real(wp), intent(inout) :: pair_table(:, :)
-        !> The results
+        !> As in sweep_records
+        type(known_contacts), intent(in) :: known
         type(sweep_type), intent(out) :: found
-        !> 0, or number of states without a solution; -i: argument i is invalid, and there are no
-        !> results
         integer, intent(out) :: info
-        !> Pairs in contact in a similar sweep
-        type(known_contacts), intent(in), optional :: known
 
-        integer :: n_speeds, n_columns
-        logical :: valid_1, valid_2
-        type(body_type) :: body_1, body_2
-        type(grid_settings) :: grid
+        !> Arguments in the order of those of flankload_sweep_mesh
+        integer, parameter :: number(20) = [1, 2, 3, 4, 6, 5, 11, 7, 8, 9, 10, 12, 13, 14, 15, 16, &
+            & 17, 18, 19, 20]
+        real(wp), allocatable :: mesh(:)
 
         info = 0
-        call read_body(record_1, body_1, valid_1)
-        call read_body(record_2, body_2, valid_2)
-        if (.not. valid_1) info = -8
-        if (.not. valid_2) info = -10
-        if (.not. all(ieee_is_finite(torques))) info = -6
-        if (.not. all(ieee_is_finite(settings))) info = -11
+        if (.not. is_record(body_mark, record_1)) info = -8
+        if (.not. ieee_is_finite(center_distance)) info = -5
         if (info < 0) return
-        if (any(torques < 0.0_wp)) info = -6
-        if (any(abs(settings(4:)) > huge(info))) info = -11
-        if (info < 0) return
-        call check_bodies(body_1, body_2, n_sites, info)
-        grid%strips_per_half_width = settings(1)
-        grid%corner_strips_per_half_width = settings(2)
-        grid%zone_half_widths = settings(3)
-        grid%level = nint(settings(4))
-        grid%finite_steps = nint(settings(5))
-        if (.not. all(settings(:3) > 0.0_wp) .or. grid%finite_steps < 0) info = -11
-        if (any(abs(settings(4:) - anint(settings(4:))) > 0.0_wp)) info = -11
-        if (grid%level /= level_pairs .and. grid%level /= level_lumped) info = -11
-        if (grid%level == level_lumped .and. allocated(body_1%sides)) info = -11
-        n_speeds = merge(size(motion, 2), 0, allocated(body_1%friction))
-        if (.not. all(ieee_is_finite(motion(3:, :n_speeds)))) info = -4
-        n_columns = merge(pair_columns_with_friction, pair_columns, n_speeds > 0)
-        if (size(pair_table, 1) /= n_columns) info = -12
-        if (present(known)) then
-            if (any(known%n_pairs < 0)) info = -19
-            if (any(known%n_pairs > 0 .and. (known%first_pair < 1 &
-                & .or. known%first_pair > size(known%touches) - known%n_pairs + 1))) info = -20
-        end if
-        if (info < 0) return
+        call pack_mesh_of_two(record_1, center_distance, settings, mesh)
+        call sweep_records(n_sites, motion, torques, mesh, record_1, record_2, control, &
+            & pair_site, pair_table, known, found, info)
+        if (info < 0) info = -number(-info)
+    end subroutine sweep_two
 
-        body_2%origin = [center_distance, 0.0_wp]
-        call sweep_positions(body_1, body_2, motion(1, :), motion(2, :), motion(3:, :n_speeds), &
-            & torques, grid, control, pair_site, pair_table, found, known)
-        info = count(found%status < 0)
-    end subroutine sweep_records
+    !> Pack the record of a mesh from that of body 1 and the arguments of flankload_sweep.
+    pure subroutine pack_mesh_of_two(record_1, center_distance, settings, mesh)
+        !> Record of body 1
+        real(wp), intent(in) :: record_1(:)
+        !> As in flankload_sweep
+        real(wp), intent(in) :: center_distance
+        real(wp), intent(in) :: settings(:)
+        !> Record of the mesh
+        real(wp), allocatable, intent(out) :: mesh(:)
+
+        integer :: k, missing, place(2)
+        type(counts_type) :: n
+        real(wp) :: twist
+
+        n = counts_in(record_1)
+        n = counts_type(sites=n%sites)
+        allocate (mesh(nint(record_length(mesh_mark, n)) + size(record_1)))
+        twist = 0.0_wp
+        place = place_in(record_1, part_axial)
+        if (place(2) >= place(1)) twist = record_1(place(1) + 3)
+        call start_record(mesh_mark, n, mesh)
+        call write_part(part_mesh, 10, [0.0_wp, 0.0_wp, center_distance, 0.0_wp, twist, settings], &
+            & mesh, missing)
+        do k = 1, size(mesh_parts)
+            place = place_in(record_1, mesh_parts(k))
+            if (place(2) >= place(1)) call write_part(mesh_parts(k), place(2) - place(1) + 1, &
+                & record_1(place(1):place(2)), mesh, missing)
+        end do
+    end subroutine pack_mesh_of_two
+
+    !> Return whether an array is the record of a body that has parts of a mesh.
+    pure function has_mesh_parts(record) result(has)
+        !> The array
+        real(wp), intent(in) :: record(:)
+        logical :: has
+
+        integer :: k, place(2)
+
+        has = .false.
+        if (.not. is_record(body_mark, record)) return
+        do k = 1, size(mesh_parts)
+            place = place_in(record, mesh_parts(k))
+            has = has .or. place(2) >= place(1)
+        end do
+    end function has_mesh_parts
 
     !> Check that two bodies match.
-    pure subroutine check_bodies(body_1, body_2, n_sites, info)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine check_bodies(bodies, mesh, n_sites, info)
+        !> The bodies and their mesh
+        type(body_type), intent(in) :: bodies(2)
+        type(mesh_type), intent(in) :: mesh
         !> Number of sites
         integer, intent(in) :: n_sites
-        !> -i if argument i of flankload_sweep is invalid; otherwise unchanged
+        !> -i if argument i of flankload_sweep_mesh is invalid; otherwise unchanged
         integer, intent(inout) :: info
 
-        integer :: n_sections
+        !> Arguments with the records of both bodies
+        integer, parameter :: record(2) = [9, 11]
+        integer :: n_sections, z
 
-        if (size(body_1%site_angles) /= n_sites .or. size(body_2%site_angles) /= n_sites) info = -3
-        ! coast flanks and friction belong to body 1
-        if (allocated(body_2%sides) .or. allocated(body_2%friction)) info = -10
-        ! slices belong to body 1; the modes of both bodies extend over all slices
-        if (allocated(body_2%slices)) info = -10
         n_sections = 1
-        if (allocated(body_1%slices)) then
-            if (.not. holds_slices(body_1%slices, body_1%compliance)) info = -8
-            if (.not. holds_slices(body_1%slices, body_2%compliance)) info = -10
-            n_sections = size(body_1%slices%edges) - 1
-        else if (body_1%compliance%n_axial > 1 .or. body_2%compliance%n_axial > 1) then
-            info = -8
-        end if
-        if (all(size(body_1%flanks) /= [1, n_sections])) info = -8
-        if (all(size(body_2%flanks) /= [1, n_sections])) info = -10
-        ! nodes of one body require nodes of the other, unless that is rigid
-        associate (one => body_1%compliance, two => body_2%compliance)
-            if (allocated(one%nodes) .and. .not. allocated(two%nodes)) then
-                if (two%kernel > 0.0_wp) info = -10
-            else if (allocated(two%nodes) .and. .not. allocated(one%nodes)) then
-                if (one%kernel > 0.0_wp) info = -8
-            end if
-        end associate
+        if (allocated(mesh%slices)) n_sections = size(mesh%slices%edges) - 1
+        do z = 1, 2
+            associate (own => bodies(z)%compliance, other => bodies(3 - z)%compliance)
+                if (size(bodies(z)%site_angles) /= n_sites) info = -3
+                ! the modes of both bodies extend over all slices
+                if (allocated(mesh%slices)) then
+                    if (.not. holds_slices(mesh%slices, own)) info = -record(z)
+                else if (own%n_axial > 1) then
+                    info = -record(1)
+                end if
+                if (all(size(bodies(z)%flanks) /= [1, n_sections])) info = -record(z)
+                ! nodes of one body require nodes of the other, unless that is rigid
+                if (allocated(own%nodes) .and. .not. allocated(other%nodes) &
+                    & .and. other%kernel > 0.0_wp) info = -record(3 - z)
+            end associate
+        end do
     end subroutine check_bodies
 
     !> Copy the results; if there are none, set NaN and 0.

@@ -7,7 +7,6 @@ module flankload_shaft_influence
     use flankload_contact_zones, only: zone_type
     use flankload_lapack, only: set_product
     use flankload_polar_geometry, only: cross, part_in_section
-    use flankload_position_zones, only: body_type
     use flankload_slice_field, only: middle_of, shaft_type, slices_type
     implicit none
     private
@@ -102,9 +101,10 @@ contains
     end subroutine direct
 
     !> Return unit forces and their moments about the section of a shaft.
-    pure function wrenches_on(body, point, direction) result(wrenches)
-        !> The body, with a shaft
-        type(body_type), intent(in) :: body
+    pure function wrenches_on(shaft, axis, point, direction) result(wrenches)
+        !> The shaft, and its axis [mm]
+        type(shaft_type), intent(in) :: shaft
+        real(wp), intent(in) :: axis(2)
         !> Points [mm] and directions of the forces, shape (3, n)
         real(wp), intent(in) :: point(:, :)
         real(wp), intent(in) :: direction(:, :)
@@ -115,7 +115,7 @@ contains
         real(wp) :: r(3)
 
         do k = 1, size(point, 2)
-            r = point(:, k) - [body%origin, body%shaft%z]
+            r = point(:, k) - [axis, shaft%z]
             associate (n => direction(:, k))
                 wrenches(:, k) = [n, r(2)*n(3) - r(3)*n(2), r(3)*n(1) - r(1)*n(3), &
                     & r(1)*n(2) - r(2)*n(1)]
@@ -124,17 +124,19 @@ contains
     end function wrenches_on
 
     !> Add wᵀ S w: normal displacement of a body due to its shaft and bearings, between all flanks.
-    pure subroutine add_shaft(shaft, wrenches, matrix)
-        !> The shaft
+    pure subroutine add_shaft(shaft, axis, at, matrix)
+        !> The shaft, and its axis [mm]
         type(shaft_type), intent(in) :: shaft
-        !> Unit forces and their moments, shape (6, n)
-        real(wp), intent(in) :: wrenches(:, :)
+        real(wp), intent(in) :: axis(2)
+        !> The points
+        type(directed_type), intent(in) :: at
         !> Compliance [mm/N], symmetric to the last bit, shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
         integer :: i, j
-        real(wp) :: moved(6)
+        real(wp) :: moved(6), wrenches(6, size(at%point, 2))
 
+        wrenches = wrenches_on(shaft, axis, at%point, at%normal)
         do j = 1, size(wrenches, 2)
             moved = matmul(shaft%compliance, wrenches(:, j))
             do i = 1, j
@@ -146,9 +148,10 @@ contains
 
     !> Subtract wᵀ S w_t: normal displacement of a body due to its shaft and bearings under forces
     !> along the flanks, Eq. (C5) of docs/theory/cells_in_three_dimensions.md.
-    pure subroutine slide_shaft(body, at, friction, matrix)
-        !> The body, with a shaft
-        type(body_type), intent(in) :: body
+    pure subroutine slide_shaft(shaft, axis, at, friction, matrix)
+        !> The shaft, and its axis [mm]
+        type(shaft_type), intent(in) :: shaft
+        real(wp), intent(in) :: axis(2)
         !> The points
         type(directed_type), intent(in) :: at
         !> Force along flank 1 per unit normal force, shape (n)
@@ -162,9 +165,10 @@ contains
 
         n = size(friction)
         allocate (displacement(n, n))
-        moved = matmul(body%shaft%compliance, spread(friction, 1, 6) &
-            & *wrenches_on(body, at%point, at%along))
-        call set_product(n, n, 6, wrenches_on(body, at%point, at%normal), moved, n, displacement)
+        moved = matmul(shaft%compliance, spread(friction, 1, 6) &
+            & *wrenches_on(shaft, axis, at%point, at%along))
+        call set_product(n, n, 6, wrenches_on(shaft, axis, at%point, at%normal), moved, n, &
+            & displacement)
         matrix = matrix - displacement
     end subroutine slide_shaft
 

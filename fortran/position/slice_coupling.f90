@@ -10,9 +10,9 @@ module flankload_slice_coupling
     use flankload_lumped_hertz, only: hertz_half_width, usual_half_width
     use flankload_near_field, only: new_image
     use flankload_polar_geometry, only: part_in_section
-    use flankload_position_zones, only: body_type, lever_share, position_type
-    use flankload_shaft_influence, only: add_shaft, directed_type, directed_zones, slide_shaft, &
-        & wrenches_on
+    use flankload_mesh, only: body_type, level_pairs, mesh_type
+    use flankload_position_zones, only: lever_share, position_type
+    use flankload_shaft_influence, only: add_shaft, directed_type, directed_zones, slide_shaft
     use flankload_slice_field, only: add_segment_field, flank_of, middle_of, segment_type, &
         & sliced_compliance, sliced_tangential, slices_type, tangential_field, width_of
     implicit none
@@ -24,23 +24,18 @@ contains
 
     !> Report an error for input that slices do not support: nodes, shifts, closed flanks; with
     !> cells also finite forces.
-    pure subroutine check_slices(body_1, body_2, is_lumped, finite_steps, error)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
-        !> True for lumped contact
-        logical, intent(in) :: is_lumped
-        !> Number of steps of each force for influence coefficients of finite forces; 0: influence
-        !> coefficients of small forces
-        integer, intent(in) :: finite_steps
+    pure subroutine check_slices(bodies, meshes, error)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Set if the input is not supported
         type(error_type), allocatable, intent(out) :: error
 
         logical :: refused
 
-        refused = .not. is_lumped .and. finite_steps > 0
-        refused = refused .or. is_plane_only(body_1%compliance) &
-            & .or. is_plane_only(body_2%compliance)
+        refused = meshes(1)%grid%level == level_pairs .and. meshes(1)%grid%finite_steps > 0
+        refused = refused .or. is_plane_only(bodies(1)%compliance) &
+            & .or. is_plane_only(bodies(2)%compliance)
         if (refused) call fatal_error(error, code_not_in_slices)
     end subroutine check_slices
 
@@ -59,10 +54,10 @@ contains
     end function is_plane_only
 
     !> Set the quantities that do not depend on the torque.
-    pure subroutine couple_slices(body_1, body_2, position)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine couple_slices(bodies, meshes, position)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Position with its zones and gap angles
         type(position_type), intent(inout) :: position
 
@@ -73,20 +68,20 @@ contains
         n = size(position%zones)
         allocate (position%images(2, n))
         associate (zones => position%zones)
-            zones%twist = body_1%compliance%twist
+            zones%twist = meshes(1)%twist
             zones%cosine = part_in_section(zones%twist, zones%lever)
-            zones%length = width_of(body_1%slices, zones%site)/zones%cosine
+            zones%length = width_of(meshes(1)%slices, zones%site)/zones%cosine
             zones%lever = zones%lever*zones%cosine
             zones%curvature = zones%curvature*zones%cosine
-            kernel_1 = body_1%compliance%kernel/zones%length
-            kernel_2 = body_2%compliance%kernel/zones%length
+            kernel_1 = bodies(1)%compliance%kernel/zones%length
+            kernel_2 = bodies(2)%compliance%kernel/zones%length
             ! smooth part of Eq. (S1) of docs/theory/slices.md
-            smooth_1 = sliced_compliance(body_1%compliance, body_1%slices, zones%site, &
+            smooth_1 = sliced_compliance(bodies(1)%compliance, meshes(1)%slices, zones%site, &
                 & zones%nearest%s_1)
-            smooth_2 = sliced_compliance(body_2%compliance, body_1%slices, zones%site, &
+            smooth_2 = sliced_compliance(bodies(2)%compliance, meshes(1)%slices, zones%site, &
                 & zones%nearest%s_2)
-            position%images(1, :) = new_image(body_1%compliance, zones%nearest%s_1, 1)
-            position%images(2, :) = new_image(body_2%compliance, zones%nearest%s_2, 2)
+            position%images(1, :) = new_image(bodies(1)%compliance, zones%nearest%s_1, 1)
+            position%images(2, :) = new_image(bodies(2)%compliance, zones%nearest%s_2, 2)
             do z = 1, n
                 position%images(:, z)%length = zones(z)%length
                 position%images(1, z)%kernel = position%images(1, z)%kernel/zones(z)%length
@@ -100,12 +95,12 @@ contains
         end associate
         position%kernel = kernel_1 + kernel_2
         position%smooth = smooth_1 + smooth_2
-        at = directed_zones(body_1%slices, position%zones)
-        if (allocated(body_1%shaft)) call add_shaft(body_1%shaft, wrenches_on(body_1, at%point, &
-            & at%normal), position%smooth)
-        if (allocated(body_2%shaft)) call add_shaft(body_2%shaft, wrenches_on(body_2, at%point, &
-            & at%normal), position%smooth)
-        if (allocated(body_1%friction)) call couple_sliding(body_1, body_2, position)
+        at = directed_zones(meshes(1)%slices, position%zones)
+        do z = 1, 2
+            if (allocated(bodies(z)%shaft)) call add_shaft(bodies(z)%shaft, meshes(1)%axes(:, z), &
+                & at, position%smooth)
+        end do
+        if (allocated(meshes(1)%friction)) call couple_sliding(bodies, meshes, position)
     end subroutine couple_slices
 
     !> Set the compliance between the zones for forces along their flanks: Eq. (S4) and (C5) of
@@ -114,34 +109,37 @@ contains
     !> The force on body 1 acts towards increasing arc length of flank 1, that on body 2 towards
     !> increasing arc length of flank 2: in both bodies, the normal displacement is minus the
     !> displacement out of the material.
-    pure subroutine couple_sliding(body_1, body_2, position)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine couple_sliding(bodies, meshes, position)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Position with zones of slices
         type(position_type), intent(inout) :: position
 
+        integer :: z
         real(wp) :: one(size(position%zones))
         type(directed_type) :: at
 
         one = 1.0_wp
-        associate (zones => position%zones, slices => body_1%slices)
-            position%tangential = -tangential_field(body_1%compliance, body_2%compliance, &
+        associate (zones => position%zones, slices => meshes(1)%slices)
+            position%tangential = -tangential_field(bodies(1)%compliance, bodies(2)%compliance, &
                 & segments_of(slices, zones), 0.5_wp*usual_half_width*position%flank_length) &
-                & - sliced_tangential(body_1%compliance, slices, zones%site, zones%nearest%s_1) &
-                & - sliced_tangential(body_2%compliance, slices, zones%site, zones%nearest%s_2)
+                & - sliced_tangential(bodies(1)%compliance, slices, zones%site, zones%nearest%s_1) &
+                & - sliced_tangential(bodies(2)%compliance, slices, zones%site, zones%nearest%s_2)
             at = directed_zones(slices, zones)
-            if (allocated(body_1%shaft)) call slide_shaft(body_1, at, one, position%tangential)
-            if (allocated(body_2%shaft)) call slide_shaft(body_2, at, one, position%tangential)
+            do z = 1, 2
+                if (allocated(bodies(z)%shaft)) call slide_shaft(bodies(z)%shaft, &
+                    & meshes(1)%axes(:, z), at, one, position%tangential)
+            end do
         end associate
     end subroutine couple_sliding
 
     !> Set the quantities that depend on the torque by the width of the contacts, as if one flank
     !> carried all of it, evenly over its length.
-    pure subroutine load_slices(body_1, body_2, torque, position)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine load_slices(bodies, meshes, torque, position)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
         !> The position
@@ -149,20 +147,20 @@ contains
 
         integer :: z
 
-        associate (zones => position%zones, edges => body_1%slices%edges)
-            position%part = width_of(body_1%slices, zones%site)/(edges(size(edges)) - edges(1))
+        associate (zones => position%zones, edges => meshes(1)%slices%edges)
+            position%part = width_of(meshes(1)%slices, zones%site)/(edges(size(edges)) - edges(1))
             z = minloc(position%gap, dim=1)
-            call spread_loads(body_1, body_2, hertz_half_width(position%part(z)*torque &
+            call spread_loads(bodies, meshes, hertz_half_width(position%part(z)*torque &
                 & /zones(z)%lever, zones(z)%curvature, position%kernel(z), &
                 & position%flank_length), position)
         end associate
     end subroutine load_slices
 
     !> Increase the width of the contacts if uneven forces require it.
-    pure subroutine widen_slices(body_1, body_2, forces, position)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine widen_slices(bodies, meshes, forces, position)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Forces of the zones [N], shape (zones)
         real(wp), intent(in) :: forces(:)
         !> The position
@@ -174,7 +172,7 @@ contains
 
         widest = reserve*maxval(hertz_half_width(forces, position%zones%curvature, &
             & position%kernel, position%flank_length))
-        if (0.5_wp*widest > position%beside) call spread_loads(body_1, body_2, widest, position)
+        if (0.5_wp*widest > position%beside) call spread_loads(bodies, meshes, widest, position)
     end subroutine widen_slices
 
     !> Compute near fields of loads that are spread over the width of the widest contact.
@@ -182,10 +180,10 @@ contains
     !> Half of the half-width is the root of the second moment of Hertz's pressure. A line at this
     !> distance from its slice makes a matrix that is definite however thin the slices are, and so
     !> is its derivative with respect to the forces: local half-widths reduce its diagonal by less.
-    pure subroutine spread_loads(body_1, body_2, half_width, position)
-        !> The bodies
-        type(body_type), intent(in) :: body_1
-        type(body_type), intent(in) :: body_2
+    pure subroutine spread_loads(bodies, meshes, half_width, position)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> Half-width [mm]
         real(wp), intent(in) :: half_width
         !> The position
@@ -193,12 +191,12 @@ contains
 
         integer :: z
 
-        associate (zones => position%zones, slices => body_1%slices, beside => position%beside)
+        associate (zones => position%zones, slices => meshes(1)%slices, beside => position%beside)
             beside = 0.5_wp*half_width
             position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)
             position%coupling = position%smooth
             ! Eq. (S2), (S3) of docs/theory/slices.md
-            call add_segment_field(body_1%compliance, body_2%compliance, &
+            call add_segment_field(bodies(1)%compliance, bodies(2)%compliance, &
                 & segments_of(slices, zones), beside, position%coupling)
             ! add the logarithm of this distance back: it is updated with the force
             do z = 1, size(zones)

@@ -22,7 +22,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-INTERFACE = "flankload_sweep"
+INTERFACE = "flankload_sweep_mesh"
 #: Each call is made so often; the first makes libraries ready, of the others the least counts.
 TIMES = 4
 #: What finds and gives back memory does so in as many steps as what was asked for before has left

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import flankload as fl
-from flankload.contact.body_record import body_records
+from flankload.contact.body_record import records_of
 from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
@@ -108,9 +108,7 @@ def stage_times(
 def _numbers(job: Job, count: int, torque_Nmm: float, grid: Grid) -> NDArray[np.float64]:
     """A sweep as the compiled bench reads it: real numbers alone."""
     pair = job.bodies
-    knobs = (grid.strips_per_half_width, grid.corner_strips_per_half_width, grid.zone_half_widths)
-    head = [count, torque_Nmm, *knobs, pair.pairing.center_distance_mm]
-    parts: list[Any] = [head, *pair.pairing.turns(job.positions(count))]
-    for record in body_records(job.contact(grid)):
+    parts: list[Any] = [[count, torque_Nmm], *pair.pairing.turns(job.positions(count))]
+    for record in records_of(job.contact(grid)):
         parts += [[record.size], record]
     return np.concatenate([np.ravel(part) for part in parts]).astype(float)

@@ -155,7 +155,7 @@ def _case(name: str, changes: Mapping[str, Mapping[str, Any]]) -> Case:
     for table, keys in merged(plain, changes).items():
         tables.setdefault(table, {}).update(keys)
     scene = fl.Scene.from_dict(tables)
-    interface = _core.flankload_sweep
+    interface = _core.flankload_sweep_mesh
     names = interface.__doc__.partition("(")[2].partition(")")[0].split(",")
     calls: list[dict[str, Any]] = []
 
@@ -163,7 +163,7 @@ def _case(name: str, changes: Mapping[str, Mapping[str, Any]]) -> Case:
         calls.append(deepcopy(dict(zip(names, arguments, strict=True))))
         return interface(*arguments)
 
-    with patch.object(_core, "flankload_sweep", watched):
+    with patch.object(_core, "flankload_sweep_mesh", watched):
         fl.solve(scene)
     room = {key: np.empty_like(calls[0][key], shape=ROOM * calls[0][key].size) for key in ROOMY}
     return Case(name, scene, calls[0] | room)

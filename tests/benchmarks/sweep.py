@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 import flankload as fl
-from flankload.contact.core_call import LEVELS
+from flankload.contact.body_record import LEVELS
 from tests.benchmarks._sweep_core import Job, stage_times
 from tests.support.paths import SCENES
 

@@ -6,7 +6,7 @@
 program bench_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload, only: wp, body_type, contact_result, definite_matrix, error_type, &
-        & grid_settings, method_single, position_state, solve_contact_problem, solve_position, &
+        & mesh_type, method_single, position_state, solve_contact_problem, solve_position, &
         & symmetric_matrix
     use flankload_contact_pairs, only: pairs_type
     use flankload_influence_coefficients, only: influence_matrix
@@ -14,7 +14,7 @@ program bench_sweep
     use flankload_position_zones, only: locate_contacts, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
         & measure_reach, new_cells
-    use flankload_recorded_body, only: read_body
+    use flankload_recorded_body, only: read_body, read_mesh
     implicit none
 
     !> Stages: zones; lumped contact; cells and pairs; influence coefficients; contact loop as
@@ -34,7 +34,7 @@ program bench_sweep
     !> A sweep under one torque.
     type :: bench_case
         type(body_type) :: bodies(2)
-        type(grid_settings) :: settings
+        type(mesh_type) :: meshes(1)
         !> Angles of the bodies [rad], shape (positions, 2), and torque on body 1 [N mm]
         real(wp), allocatable :: angles(:, :)
         real(wp) :: torque = 0.0_wp
@@ -58,7 +58,9 @@ contains
         type(bench_case) :: case
 
         integer :: unit, length, z
-        real(wp) :: head(6)
+        real(wp) :: head(2)
+        real(wp), allocatable :: record(:)
+        logical :: valid
         character(len=:), allocatable :: path
 
         call get_command_argument(argument, length=length)
@@ -68,34 +70,31 @@ contains
             & action='read')
         read (unit) head
         case%torque = head(2)
-        case%settings%strips_per_half_width = head(3)
-        case%settings%corner_strips_per_half_width = head(4)
-        case%settings%zone_half_widths = head(5)
         allocate (case%angles(nint(head(1)), 2))
         read (unit) case%angles
+        call read_one(unit, record)
+        call read_mesh(record, case%meshes(1), valid)
+        if (.not. valid) error stop 3
         do z = 1, 2
-            call read_one(unit, case%bodies(z))
+            call read_one(unit, record)
+            call read_body(record, case%bodies(z), valid)
+            if (.not. valid) error stop 3
         end do
-        case%bodies(2)%origin = [head(6), 0.0_wp]
         close (unit)
     end function read_case
 
-    !> Read the record of one body.
-    subroutine read_one(unit, body)
+    !> Read a record.
+    subroutine read_one(unit, record)
         !> Unit of the file
         integer, intent(in) :: unit
-        !> Body
-        type(body_type), intent(out) :: body
+        !> Record
+        real(wp), allocatable, intent(out) :: record(:)
 
         real(wp) :: length
-        real(wp), allocatable :: record(:)
-        logical :: valid
 
         read (unit) length
         allocate (record(nint(length)))
         read (unit) record
-        call read_body(record, body, valid)
-        if (.not. valid) error stop 3
     end subroutine read_one
 
     !> Measure a sweep and print one line.
@@ -141,29 +140,27 @@ contains
         integer :: pivots
         integer, allocatable :: expected(:), active(:)
 
-        associate (body_1 => case%bodies(1), body_2 => case%bodies(2), torque => case%torque)
+        associate (bodies => case%bodies, meshes => case%meshes, torque => case%torque)
             clock = seconds()
-            call locate_contacts(body_1, body_2, angles(1), angles(2), torque, .true., &
-                & position, error)
+            call locate_contacts(bodies, meshes, angles, torque, .true., position, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_zones))
             call estimate_forces(position, position%zones%curvature, torque, estimate, rotation, &
                 & states(1), error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
-            cells = new_cells(position, torque, estimate, estimate > 0.0_wp, case%settings)
+            cells = new_cells(position, torque, estimate, estimate > 0.0_wp, meshes(1)%grid)
             call measure_reach(position, cells)
-            call lay_pairs(body_1, body_2, position, case%settings, cells, laid, error)
+            call lay_pairs(bodies, meshes, position, cells, laid, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_pairs))
             allocate (matrix(laid%n, laid%n))
-            call influence_matrix(body_1%compliance, body_2%compliance, laid, matrix)
+            call influence_matrix(bodies(1)%compliance, bodies(2)%compliance, laid, matrix)
             call lap(clock, times(way_influence))
             expected = expected_pairs(laid, position%zones, cells)
             call solve(laid, matrix, torque, symmetric_matrix, expected, state, clock, &
                 & times(way_loop))
-            call solve_position(body_1, body_2, angles(1), angles(2), [torque], case%settings, &
-                & states)
+            call solve_position(bodies, meshes, angles, [torque], states)
             if (states(1)%status < 0) error stop 2
             call lap(clock, times(way_whole))
             call solve(laid, matrix, torque, symmetric_matrix, [integer ::], state, clock, &

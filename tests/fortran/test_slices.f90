@@ -8,7 +8,8 @@ program test_slices
     use flankload_lumped_pass, only: keep_places
     use flankload_line_potential, only: mean_potential, own_potential
     use flankload_near_field, only: image_displacement, image_type
-    use flankload_position_zones, only: body_type, position_type
+    use flankload_mesh, only: body_type, mesh_type
+    use flankload_position_zones, only: position_type
     use flankload_slice_coupling, only: couple_slices
     use flankload_slice_field, only: add_segment_field, along_line, axial_means, flank_of, &
         & middle_of, mirror_type, segment_type, slice_of, sliced_compliance, sliced_tangential, &
@@ -443,16 +444,17 @@ contains
         real(wp) :: angle, lever, cosine, n_t(2), place(3), matrix(n, n), w(6, n), random(6, 6)
         real(wp) :: t(6, n), rubbed(n, n)
         type(body_type) :: bodies(2)
+        type(mesh_type) :: meshes(1)
         type(position_type) :: position
 
-        allocate (bodies(1)%slices, position%zones(n))
-        bodies(1)%slices%edges = [-2.0_wp, -0.5_wp, 1.0_wp, 3.0_wp]
-        bodies(1)%friction = new_friction([0.0_wp], reshape([(0.1_wp, i=1, 6)], [1, 6]))
-        bodies(2)%origin = [distance, 0.0_wp]
+        allocate (meshes(1)%slices, position%zones(n))
+        meshes(1)%slices%edges = [-2.0_wp, -0.5_wp, 1.0_wp, 3.0_wp]
+        meshes(1)%friction = new_friction([0.0_wp], reshape([(0.1_wp, i=1, 6)], [1, 6]))
+        meshes(1)%axes(:, 2) = [distance, 0.0_wp]
+        meshes(1)%twist = twist
         position%flank_length = 10.0_wp
         do z = 1, 2
             bodies(z)%compliance%kernel = 1.0_wp
-            bodies(z)%compliance%twist = merge(twist, -0.5_wp*twist, z == 1)
             allocate (bodies(z)%shaft, bodies(z)%compliance%smooth(0, 0, 0))
             call random_number(random)
             bodies(z)%shaft%compliance = random + transpose(random)
@@ -486,13 +488,13 @@ contains
                 t(:3, i) = [n_t(2), -n_t(1), 0.0_wp]
             end associate
         end do
-        call couple_slices(bodies(1), bodies(2), position)
+        call couple_slices(bodies, meshes, position)
         matrix = 0.0_wp
         rubbed = 0.0_wp
         do z = 1, 2
             do i = 1, n
-                place = [position%zones(i)%nearest%point_1 - bodies(z)%origin, &
-                    & middle_of(bodies(1)%slices, site(i)) - bodies(z)%shaft%z]
+                place = [position%zones(i)%nearest%point_1 - meshes(1)%axes(:, z), &
+                    & middle_of(meshes(1)%slices, site(i)) - bodies(z)%shaft%z]
                 w(4, i) = place(2)*w(3, i) - place(3)*w(2, i)
                 w(5, i) = place(3)*w(1, i) - place(1)*w(3, i)
                 w(6, i) = place(1)*w(2, i) - place(2)*w(1, i)
@@ -515,7 +517,7 @@ contains
         end do
         deallocate (bodies(1)%shaft, bodies(2)%shaft)
         deallocate (position%images)
-        call couple_slices(bodies(1), bodies(2), position)
+        call couple_slices(bodies, meshes, position)
         call expect(all(abs(position%smooth) <= 0.0_wp), 'no shafts')
     end subroutine test_shafts_by_hand
 

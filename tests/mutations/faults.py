@@ -117,12 +117,12 @@ _FORTRAN = (
         "shaft_influence.f90",
         "physics/test_shafts.py physics/test_cells_in_three_dimensions.py",
         ("[n, -twist*lever]", "[n, twist*lever]"),
-        ("[body%origin, body%shaft%z]", "[0.0_wp, 0.0_wp, body%shaft%z]"),
+        ("[axis, shaft%z]", "[0.0_wp, 0.0_wp, shaft%z]"),
     ),
     *_in(
         "pair_influence.f90",
         "physics/test_cells_in_three_dimensions.py",
-        ("wrenches_on(body_2, at%point, at%normal)", "wrenches_on(body_1, at%point, at%normal)"),
+        ("wrenches_on(bodies(2)%shaft", "wrenches_on(bodies(1)%shaft"),
     ),
     *_in(
         "shaft_influence.f90",
@@ -134,10 +134,10 @@ _FORTRAN = (
     *_in(
         "slice_coupling.f90",
         "physics/test_slices.py",
-        ("- sliced_tangential(body_1%compliance", "+ sliced_tangential(body_1%compliance"),
+        ("- sliced_tangential(bodies(1)%compliance", "+ sliced_tangential(bodies(1)%compliance"),
         (
-            "body_2%compliance, &\n                & segments_of(slices, zones), 0.5",
-            "body_1%compliance, &\n                & segments_of(slices, zones), 0.5",
+            "bodies(2)%compliance, &\n                & segments_of(slices, zones), 0.5",
+            "bodies(1)%compliance, &\n                & segments_of(slices, zones), 0.5",
         ),
     ),
     *_in(
@@ -151,7 +151,7 @@ _FORTRAN = (
         ),
         ("*log(beside)", "*log(half_width)"),
         (
-            "zones%length = width_of(body_1%slices, zones%site)/zones%cosine",
+            "zones%length = width_of(meshes(1)%slices, zones%site)/zones%cosine",
             "zones%length = 1.0_wp",
         ),
     ),

@@ -117,7 +117,7 @@ def test_the_extra_names_every_package() -> None:
 
 # --- instructions ---------------------------------------------------------------------------------
 PROFILE = """events: Ir
-fn=(1) flankload_sweep_
+fn=(1) flankload_sweep_mesh_
 12 100
 cfn=(2) __flankload_position_load_MOD_solve_position
 calls=1 20
@@ -143,9 +143,13 @@ fn=(4)
 
 def test_instructions_are_summed_by_procedure_without_those_that_find_memory() -> None:
     counted = read_profile(PROFILE)
-    assert counted.own == {"flankload_sweep_": 100, "solve_position": 100, "influence_matrix": 400}
+    assert counted.own == {
+        "flankload_sweep_mesh_": 100,
+        "solve_position": 100,
+        "influence_matrix": 400,
+    }
     assert counted.whole == 600
-    assert counted.within["flankload_sweep_", "solve_position"] == 540
+    assert counted.within["flankload_sweep_mesh_", "solve_position"] == 540
     assert counted.within["solve_position", "influence_matrix"] == 400
 
 

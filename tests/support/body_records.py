@@ -1,4 +1,4 @@
-"""Records of bodies taken apart, by the layout that fortran/position/body_record.f90 documents."""
+"""Records of bodies and meshes taken apart, by the layout of fortran/position/body_record.f90."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ NAMES = (
     *PARTS,
     *("breaks", "coefficients", "corners", "site_angles", "deviations"),
     *("mode_range", "kernel", "smooth", "block"),
+    "mesh",
 )
 COUNTS = ("breaks", "powers", "sites", "modes", "blocks")
 #: Numbers before the places of the parts, and before the parts.

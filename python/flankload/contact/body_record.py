@@ -1,4 +1,4 @@
-"""Record of a body for the core: flank curve, sites and compliance (`flankload_pack_body`)."""
+"""Records for the core: of a body (`flankload_pack_body`) and of a mesh (`flankload_pack_mesh`)."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from flankload.bodies.flank_surface import section_curves
 from flankload.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flankload.bodies.body import Body
-    from flankload.contact.flank_contact import FlankContact
+    from flankload.contact.flank_contact import FlankContact, Level
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.flank import FlankCurve
     from flankload.pairing.friction import Friction
@@ -46,20 +48,49 @@ PARTS = (
 CUT_CORNER = 2
 
 
-def body_records(contact: FlankContact) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Records (n,) of both bodies for the sweep of the core.
+#: Contact models and their numbers in the core.
+LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
+
+
+def records_of(contact: FlankContact) -> tuple[NDArray[np.float64], ...]:
+    """Records (n,) of the mesh and of both bodies for the sweep of the core.
 
     Raises
     ------
     InputError
         If the core refuses an argument.
     """
-    one, two = (_record_of(contact, z) for z in (0, 1))
-    return one, two
+    return _mesh_record(contact), _body_record(contact, 0), _body_record(contact, 1)
 
 
-def _record_of(contact: FlankContact, z: int) -> NDArray[np.float64]:
-    """Record of body z; that of body 1 has the parts that concern both."""
+def _mesh_record(contact: FlankContact) -> NDArray[np.float64]:
+    """Record of the mesh."""
+    pairing, slices, grid = contact.pairing, contact.slices, contact.grid
+    axial = contact.compliances[0].modes.axial
+    arguments = (
+        core_sites(contact),
+        np.array([[0.0, pairing.center_distance_mm], [0.0, 0.0]], order="F"),
+        0.0 if slices is None or axial is None else axial.twist,
+        np.array(
+            [
+                *(grid.strips_per_half_width, grid.corner_strips_per_half_width),
+                *(grid.zone_half_widths, LEVELS[contact.level], contact.finite_steps),
+            ],
+            float,
+        ),
+    )
+    parts = _mesh_parts(pairing, contact.friction, slices)
+    return _packed(_core.flankload_pack_mesh, arguments, parts)
+
+
+def core_sites(contact: FlankContact) -> int:
+    """Number of sites of the core: pairs of flanks, coast flanks, slices."""
+    sites = contact.pairing.sites.size * (1 if contact.pairing.coast is None else 2)
+    return sites * (1 if contact.slices is None else contact.slices.count)
+
+
+def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
+    """Record of body z."""
     body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
     width = contact.face_width_mm if slices is None else 1.0
     compliance = _of_width(contact.compliances[z], width)
@@ -67,15 +98,14 @@ def _record_of(contact: FlankContact, z: int) -> NDArray[np.float64]:
     parts = _compliance_parts(compliance, _teeth(pairing, z))
     if contact.friction is not None or contact.finite_steps > 0:
         parts += _tangential_parts(compliance, coast=pairing.coast is not None)
-    if z == 0:
-        parts += _pair_parts(pairing, contact.friction, slices)
     if slices is not None:
-        parts += _slice_parts(body, compliance, slices, z)
+        parts += _slice_parts(body, compliance)
     if sections:
         flanks = [_powers_first(curve).ravel(order="F") for curve in sections]
         parts.append(("sections", np.concatenate(flanks)))
     curve = sections[0] if sections else _active(body, body.curve)
-    return _packed(_main_arguments(contact, compliance, z, curve), parts)
+    arguments = _main_arguments(contact, compliance, z, curve)
+    return _packed(_core.flankload_pack_body, arguments, parts)
 
 
 def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
@@ -162,9 +192,9 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
     ]
 
 
-def _slice_parts(body: Body, compliance: BodyCompliance, slices: Slices, z: int) -> list[Part]:
-    """Parts of a three-dimensional body: axial modes, shaft, and for body 1 the slices."""
-    parts: list[Part] = [("slices", slices.edges_mm)] if z == 0 else []
+def _slice_parts(body: Body, compliance: BodyCompliance) -> list[Part]:
+    """Parts of a three-dimensional body: axial modes, shaft."""
+    parts: list[Part] = []
     shaft = None if body.axial is None else body.axial.shaft
     # a flexible shaft is part of the elements, except in a rigid body
     if shaft is not None and (shaft.flexible is None or body.rigid):
@@ -190,9 +220,9 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
     return parts
 
 
-def _pair_parts(pairing: Pairing, friction: Friction | None, slices: Slices | None) -> list[Part]:
-    """Parts of body 1 that concern both bodies: sides of the sites, friction."""
-    parts: list[Part] = []
+def _mesh_parts(pairing: Pairing, friction: Friction | None, slices: Slices | None) -> list[Part]:
+    """Parts of a mesh: sides of the sites, friction, slices."""
+    parts: list[Part] = [] if slices is None else [("slices", slices.edges_mm)]
     if pairing.coast is not None:
         parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size)))
     if friction is not None:
@@ -207,12 +237,15 @@ def _pair_parts(pairing: Pairing, friction: Friction | None, slices: Slices | No
 
 
 def _packed(
-    arguments: tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...], parts: list[Part]
+    pack: Callable[..., int],
+    arguments: tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...],
+    parts: list[Part],
 ) -> NDArray[np.float64]:
-    """Record of a body and its parts."""
-    needed = _checked("flankload_pack_body", _core.flankload_pack_body(*arguments, np.empty(0)))
+    """Record begun by a procedure of the core, and its parts."""
+    name = pack.__name__
+    needed = _checked(name, pack(*arguments, np.empty(0)))
     record = np.empty(needed + sum(values.size for _, values in parts))
-    _checked("flankload_pack_body", _core.flankload_pack_body(*arguments, record))
+    _checked(name, pack(*arguments, record))
     for name, values in parts:
         info = _core.flankload_pack_part(PARTS.index(name) + 1, values, record)
         _checked(f"flankload_pack_part ({name})", info)

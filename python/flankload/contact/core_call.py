@@ -19,12 +19,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from flankload.contact.flank_contact import FlankContact, Level
+    from flankload.contact.flank_contact import FlankContact
 
     Outcome = TypeVar("Outcome")
 
-#: Contact models and their numbers in the core.
-LEVELS: dict[Level, int] = {"pairs": 0, "lumped": 1}
 #: Number of lumped contacts, summed over the states, that take less than 0.02 s.
 SHORT_CALL = 1000
 #: Seconds between two readings of the core's progress.
@@ -103,6 +101,12 @@ class KnownContacts:
     count: NDArray[np.int64]
     first: NDArray[np.int64]
 
+    @classmethod
+    def none(cls, n_positions: int, n_torques: int) -> KnownContacts:
+        """No known pairs."""
+        nothing = np.zeros((n_positions, n_torques), dtype=np.int64)
+        return cls(np.zeros(0, dtype=np.intc), nothing, nothing)
+
     def at(self, which: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
         """Arguments of the core for some positions."""
         tables = (self.count[which], self.first[which] + 1)
@@ -114,14 +118,14 @@ class CoreCall:
     """The constant arguments of the core, and its call.
 
     `n_sites`: sites of the core, several for each pair of flanks; `motion` (4, P): angles of both
-    bodies, rad, and their speeds, rad per rad of the position; `records`: from `body_records`.
+    bodies, rad, and their speeds, rad per rad of the position; `records`: from `records_of`.
     """
 
     contact: FlankContact
     n_sites: int
     motion: NDArray[np.float64]
     torques_Nmm: NDArray[np.float64]
-    records: tuple[NDArray[np.float64], NDArray[np.float64]]
+    records: tuple[NDArray[np.float64], ...]
     account: Account
     progress: Callable[[int, int], None] | None
     watched: bool
@@ -163,22 +167,19 @@ class CoreCall:
         n_columns = len(columns_of(friction=self.contact.friction is not None))
         table = np.empty(capacity * n_columns)
 
-        core = _core.flankload_sweep if self.known is None else _core.flankload_sweep_continued
-        known = () if self.known is None else self.known.at(which)
+        known = self.known or KnownContacts.none(self.motion.shape[1], len(self.torques_Nmm))
 
         def call() -> tuple[Any, ...]:
-            found: tuple[Any, ...] = core(
+            found: tuple[Any, ...] = _core.flankload_sweep_mesh(
                 self.n_sites,
                 np.asfortranarray(self.motion[:, which]),
-                self.contact.pairing.center_distance_mm,
                 self.torques_Nmm,
                 *self.records,
-                self._settings(),
                 n_columns,
                 control,
                 site,
                 table,
-                *known,
+                *known.at(which),
             )
             return found
 
@@ -197,19 +198,13 @@ class CoreCall:
         sites = n_positions * self.torques_Nmm.size * self.n_sites
         return self.contact.level == "lumped" and sites <= SHORT_CALL
 
-    def _settings(self) -> NDArray[np.float64]:
-        """(5,) Cell sizes, contact model and steps of finite forces."""
-        grid, level = self.contact.grid, LEVELS[self.contact.level]
-        cells = (grid.strips_per_half_width, grid.corner_strips_per_half_width)
-        return np.array([*cells, grid.zone_half_widths, level, self.contact.finite_steps], float)
-
     def _found(
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
     ) -> CoreOutput:
         """Outputs by name, with pairs numbered from 0; counts the work."""
         status, rotation, tangent, certificate, counters, force, peak, corner, info = outputs
         if info < 0:
-            raise InputError(f"argument {-info} of flankload_sweep is not valid")
+            raise InputError(f"argument {-info} of flankload_sweep_mesh is not valid")
         work = np.asfortranarray(counters[: len(CORE_COUNTERS)])
         n_pairs, first_pair = (np.asfortranarray(part) for part in counters[len(CORE_COUNTERS) :])
         _count(status, work, self.account)

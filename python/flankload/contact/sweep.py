@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from flankload.contact.body_record import body_records
+from flankload.contact.body_record import core_sites, records_of
 from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts
 from flankload.contact.pair_table import PackedPairs, join_pairs
 from flankload.contact.status import raise_first_failure
@@ -182,10 +182,10 @@ def sweep(
     positions = np.asarray(position_rad, dtype=float)
     core = CoreCall(
         contact=contact,
-        n_sites=_core_sites(contact),
+        n_sites=core_sites(contact),
         motion=_motion(contact, positions),
         torques_Nmm=torques,
-        records=body_records(contact),
+        records=records_of(contact),
         account=spent,
         progress=progress,
         watched=watched,
@@ -232,12 +232,6 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
         count=np.where(laid_once, np.column_stack(count), 0),
         first=first,
     )
-
-
-def _core_sites(contact: FlankContact) -> int:
-    """Number of sites of the core: pairs of flanks, coast flanks, slices."""
-    sites = contact.pairing.sites.size * (1 if contact.pairing.coast is None else 2)
-    return sites * (1 if contact.slices is None else contact.slices.count)
 
 
 def _over_slices(found: Sweep, slices: Slices) -> Sweep:

@@ -590,3 +590,111 @@ def test_columns_of_pairs_have_one_order() -> None:
 def test_parts_have_one_order() -> None:
     source = (FORTRAN / "position" / "body_record.f90").read_text(encoding="utf-8")
     assert re.findall(r"enumerator :: part_(\w+)", source) == [*NAMES]
+
+
+# --- the record of a mesh -------------------------------------------------------------------------
+SETTINGS = [10.0, 30.0, 2.5, 0.0, 0.0]
+AXES = np.array([[0.0, 72.0], [0.0, 0.0]], order="F")
+
+
+def mesh_of(
+    *parts: tuple[str, Any], settings: Any = SETTINGS, twist: float = 0.0
+) -> NDArray[np.float64]:
+    """Record of the mesh of both cylinders, with parts."""
+    arguments = (SITES, AXES, twist, np.array(settings))
+    values = [np.array(value, dtype=float).ravel(order="F") for _, value in parts]
+    needed = _core.flankload_pack_mesh(*arguments, np.empty(0))
+    record = np.empty(needed + sum(value.size for value in values))
+    assert _core.flankload_pack_mesh(*arguments, record) == 0
+    for (name, _), value in zip(parts, values, strict=True):
+        assert part_info(name, value, record) == 0
+    return record
+
+
+def mesh_info(
+    mesh: NDArray[np.float64], *bodies: NDArray[np.float64], **changes: Any
+) -> tuple[int, NDArray[np.float64]]:
+    """As `sweep_info`, with a record of the mesh."""
+    unknown = np.zeros((1, 1), dtype=np.intc)
+    arguments: dict[str, Any] = {
+        "n_sites": SITES,
+        "motion": np.array([[0.0], [np.pi], [1.0], [-1.0]], order="F"),
+        "torques": np.array([3600.0]),
+        "mesh": mesh,
+        "record_1": bodies[0],
+        "record_2": bodies[1],
+        "n_columns": 11,
+        "control": np.zeros(2, dtype=np.intc),
+        "pair_site": np.empty(0, dtype=np.intc),
+        "pair_table": np.empty(0),
+        "in_contact": np.empty(0, dtype=np.intc),
+        "n_known": unknown,
+        "first_known": unknown,
+    }
+    outputs = _core.flankload_sweep_mesh(*(arguments | changes).values())
+    return int(outputs[-1]), outputs[1]
+
+
+@pytest.mark.parametrize(
+    ("part", "settings", "n_columns"),
+    [
+        ((), SETTINGS, 11),
+        ((FRICTION,), SETTINGS, 13),
+        ((EDGES,), [*SETTINGS[:3], 1.0, 0.0], 11),
+        ((SIDES,), SETTINGS, 11),
+    ],
+    ids=["plane", "friction", "slices", "sides"],
+)
+def test_a_mesh_has_its_own_record(part: Any, settings: Any, n_columns: int) -> None:
+    """Bitwise as with its parts in the record of body 1, which are an error beside it."""
+    names = dict(part)
+    own = [("axial", AXIAL)] if "slices" in names else []
+    if "friction" in names:
+        part = (("friction", [1.0, 0.1, 0.1]),)
+    one, two = record_of(*own), record_of(*own)
+    twist = AXIAL[3] if own else 0.0
+    info, found = mesh_info(
+        mesh_of(*part, settings=settings, twist=twist), one, two, n_columns=n_columns
+    )
+    together = record_of(*own, *part)
+    assert info == 0
+    assert np.isfinite(found).all()
+    wanted = sweep_info(together, two, settings=np.array(settings), n_columns=n_columns)
+    assert wanted[0] == 0
+    np.testing.assert_array_equal(found, wanted[1])
+    if part:
+        assert mesh_info(mesh_of(settings=settings), together, two)[0] == -9
+
+
+@pytest.mark.parametrize(
+    ("argument", "arguments"),
+    [
+        (1, (0, AXES, 0.0, SETTINGS)),
+        (2, (SITES, np.full((2, 2), NAN, order="F"), 0.0, SETTINGS)),
+        (3, (SITES, AXES, NAN, SETTINGS)),
+        (4, (SITES, AXES, 0.0, [0.0, *SETTINGS[1:]])),
+        (4, (SITES, AXES, 0.0, [*SETTINGS[:3], 2.0, 0.0])),
+        (4, (SITES, AXES, 0.0, [*SETTINGS[:3], 0.5, 0.0])),
+        (4, (SITES, AXES, 0.0, [*SETTINGS[:4], -1.0])),
+        (4, (SITES, AXES, 0.0, [*SETTINGS[:4], 1.5])),
+    ],
+)
+def test_refused_arguments_of_a_mesh(argument: int, arguments: Any) -> None:
+    record = np.full(200, 7.0)
+    assert _core.flankload_pack_mesh(*arguments, record) == -argument
+    assert (record == 7.0).all()
+
+
+def test_records_of_bodies_and_meshes_are_not_exchanged() -> None:
+    mesh, body = mesh_of(), record_of()
+    assert mesh_info(body, body, body)[0] == -7
+    assert mesh_info(mesh, mesh, body)[0] == -9
+    assert mesh_info(mesh, body, mesh)[0] == -11
+    assert mesh_info(mesh, body, record_of(SIDES))[0] == -11
+    # parts of a body have no place in the record of a mesh
+    assert part_info("wedge", [0.0, 0.1], mesh) == -1
+    # as many sites as both bodies
+    long = np.empty(200)
+    assert _core.flankload_pack_mesh(SITES + 1, AXES, 0.0, np.array(SETTINGS), long) == 0
+    assert mesh_info(long, body, body)[0] == -7
+    assert sweep_info(body, body, center_distance=NAN)[0] == -5

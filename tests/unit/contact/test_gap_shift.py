@@ -181,14 +181,14 @@ def test_without_shift_nothing_is_handed_to_the_core(monkeypatch: pytest.MonkeyP
     pair, (one, two) = job()
     seen: list[list[int]] = []
     shifts = []
-    original = _core.flankload_sweep
+    original = _core.flankload_sweep_mesh
 
     def spied(*arguments: np.ndarray) -> object:
         seen.append([np.size(argument) for argument in arguments])
         shifts.append(sum(parts_of(record)["shift"].size for record in arguments[4:6]))
         return original(*arguments)
 
-    monkeypatch.setattr(_core, "flankload_sweep", spied)
+    monkeypatch.setattr(_core, "flankload_sweep_mesh", spied)
     plain = swept(pair, (one, two), 302.0)
     zeros = swept(pair, (shifted(one, np.zeros(MODES)), two), 302.0)
     more = [b - a for a, b in zip(*seen, strict=True) if a != b]

@@ -134,16 +134,16 @@ def test_a_failure_names_position_and_torque() -> None:
 def test_the_core_stops_when_it_is_asked_to(monkeypatch: pytest.MonkeyPatch) -> None:
     """Asked before the first position: none is begun, and every state says so."""
     stopped, calls = [], []
-    original = _core.flankload_sweep
+    original = _core.flankload_sweep_mesh
 
     def asked_to_stop(*arguments: np.ndarray) -> object:
-        control = arguments[-3]
+        control = arguments[-6]
         control[0] = 1
         found = original(*arguments)
         stopped.append((found[0], control.copy()))
         return found
 
-    monkeypatch.setattr(_core, "flankload_sweep", asked_to_stop)
+    monkeypatch.setattr(_core, "flankload_sweep_mesh", asked_to_stop)
     with pytest.raises(fl.errors.ContactError, match="stopped"):
         run([302e3, 0.0], progress=lambda done, total: calls.append((done, total)))
     ((status, control),) = stopped

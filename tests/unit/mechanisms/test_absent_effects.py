@@ -45,16 +45,17 @@ SHAFT: dict[str, Any] = {
     "radial_stiffness_N_per_um": [200.0, 200.0],
 }
 #: Arguments of the core, in their order.
-ARGUMENTS = _core.flankload_sweep.__doc__.partition("(")[2].partition(")")[0].split(",")
+ARGUMENTS = _core.flankload_sweep_mesh.__doc__.partition("(")[2].partition(")")[0].split(",")
 
 
 def by_name(arguments: tuple[Any, ...]) -> dict[str, Any]:
-    """Arguments of a call of the core, the parts of both bodies and each setting, by name."""
+    """Arguments of a call of the core, the parts of the mesh and of both bodies, by name."""
     call = dict(zip(ARGUMENTS, arguments, strict=True))
     for z in (1, 2):
         parts = parts_of(call[f"record_{z}"])
         call |= {f"{name}_{z}": values for name, values in parts.items()}
-    *_, level, finite_steps = call["settings"]
+    call |= {name: values for name, values in parts_of(call["mesh"]).items() if name != "mesh"}
+    *_, level, finite_steps = parts_of(call["mesh"])["mesh"]
     return call | {"speeds": call["motion"][2:], "level": level, "finite_steps": finite_steps}
 
 
@@ -184,7 +185,7 @@ CASES = {
     "three_dimensions": Case(
         {"effects__dimension": 3},
         {"effects__dimension": 2, "effects__contact": "lumped"},
-        amount("axial_1", "slices_1", "axial_2"),
+        amount("axial_1", "slices", "axial_2"),
         more={"effects__contact": "lumped"},
     ),
     "segment": Case(
@@ -207,7 +208,7 @@ CASES = {
     ),
     "tip_contact": Case({}, {"effects__tip_contact": False}, beyond_active, plain=False),
     "coast_flanks": Case(
-        {"effects__coast_flank": True}, {"effects__coast_flank": False}, amount("sides_1")
+        {"effects__coast_flank": True}, {"effects__coast_flank": False}, amount("sides")
     ),
     "flank_modifications": Case(
         {"body_1__tip_relief_um": 10, "body_1__tip_relief_start_diameter_mm": 80}, {}, relieved
@@ -249,7 +250,7 @@ CASES = {
     "friction": Case(
         {"effects__friction_coefficient": 0.1},
         {"effects__friction_coefficient": 0},
-        amount("friction_1", "tangential_1", "speeds"),
+        amount("friction", "tangential_1", "speeds"),
     ),
     "power_loss": Case(
         {"effects__friction_coefficient": 0.1}, {"effects__friction_coefficient": 0}, lost
@@ -322,14 +323,14 @@ def run_of(changes: dict[str, Any]) -> Run:
         return RUNS[name]
     scene = fl.Scene.from_dict(scene_with(**changes))
     calls: list[dict[str, Any]] = []
-    plain = _core.flankload_sweep
+    plain = _core.flankload_sweep_mesh
 
     def watched(*arguments: Any) -> Any:
         calls.append(by_name(arguments))
         return plain(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(_core, "flankload_sweep", watched)
+        patch.setattr(_core, "flankload_sweep_mesh", watched)
         found = fl.solve(scene)
     RUNS[name] = Run(scene, found.by_torque[-1], calls)
     return RUNS[name]
