@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload import _core
+from flankload.base.torque import in_newton_metres
 from flankload.errors import ContactError, InputError, NoContactState, PivotLimit, SingularContact
 
 if TYPE_CHECKING:
@@ -116,9 +117,8 @@ def raise_first_failure(
     if failed.size == 0:
         return
     k, t = (int(number) for number in failed[0])
-    where = (
-        f"position {k} ({np.degrees(position_rad[k]):.4f} deg), torque {torques[t] / 1000.0:g} N m"
-    )
+    torque_Nm = in_newton_metres(float(torques[t]))
+    where = f"position {k} ({np.degrees(position_rad[k]):.4f} deg), torque {torque_Nm:g} N m"
     more = f" ({len(failed)} of {status.size} states failed)" if len(failed) > 1 else ""
     code = int(status[k, t])
     kind, reason = EXCEPTIONS[code], SCENE_TEXTS.get(code) or status_text(code)
@@ -130,7 +130,7 @@ def raise_first_failure(
         held = _largest_held(held, float(torques[t]), partial(holds, k))
     jams = "the pair jams by friction, " if has_friction else ""
     raise NoContactState(
-        f"{where}: {jams}{reason}; about {held / 1000.0:.4g} N m can be held there{more}",
+        f"{where}: {jams}{reason}; about {in_newton_metres(held):.4g} N m can be held there{more}",
         proven=bool(proven),
         largest_torque=held,
     )

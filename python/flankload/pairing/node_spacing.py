@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.torque import in_newton_metres
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -40,13 +42,13 @@ class HertzContact:
 
 
 def _hertz_contact(
-    bodies: tuple[Body, Body], torque_Nm: float, face_width_mm: float
+    bodies: tuple[Body, Body], torque_Nmm: float, face_width_mm: float
 ) -> HertzContact | None:
     """Hertz contact at mid-height with the whole torque on one flank.
 
     None without force, and for conforming flanks.
     """
-    force_N_per_mm = 1000 * torque_Nm / bodies[0].reference_radius_mm / face_width_mm
+    force_N_per_mm = torque_Nmm / bodies[0].reference_radius_mm / face_width_mm
     curvature = sum(_middle_curvature(body) for body in bodies)
     compliance = sum(
         (1 - body.material.poisson_ratio**2) / body.material.young_modulus_MPa
@@ -60,16 +62,16 @@ def _hertz_contact(
 
 
 def spacing_notes(
-    bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
+    bodies: tuple[Body, Body], torques_Nmm: tuple[float, ...], face_width_mm: float
 ) -> Iterator[str]:
     """Notes on the node spacing of curves through nodes, relative to the narrowest contact."""
-    loads = [torque for torque in torques_Nm if torque > 0]
+    loads = [torque for torque in torques_Nmm if torque > 0]
     if not loads or not any(body.flank_nodes for body in bodies):
         return
     contact = _hertz_contact(bodies, min(loads), face_width_mm)
     if contact is None:
         return
-    where = f"with {min(loads):g} N m on one flank"
+    where = f"with {in_newton_metres(min(loads)):g} N m on one flank"
     for name, body in zip(("body_1", "body_2"), bodies, strict=True):
         nodes = body.flank_nodes
         if nodes is None:
@@ -86,14 +88,14 @@ def spacing_notes(
 
 
 def spacing_for_loads(
-    bodies: tuple[Body, Body], torques_Nm: tuple[float, ...], face_width_mm: float
+    bodies: tuple[Body, Body], torques_Nmm: tuple[float, ...], face_width_mm: float
 ) -> float | None:
     """Distance of nodes for nodal forces, mm; None without torque.
 
     A fifth of the Hertz half-width with the whole of the largest torque on one flank; for
     conforming flanks a fraction of their length.
     """
-    torque = max(torques_Nm)
+    torque = max(torques_Nmm)
     if torque <= 0.0 or all(body.rigid for body in bodies):
         return None
     contact = _hertz_contact(bodies, torque, face_width_mm)
@@ -102,26 +104,14 @@ def spacing_for_loads(
     return widest if contact is None else min(widest, NODE_SPACING * contact.half_width_mm)
 
 
-def half_widths_apart(
-    bodies: tuple[Body, Body], nodes_mm: float, torque_Nm: float, face_width_mm: float
-) -> float | None:
-    """Distance of nodes over the half-width of the contact, with the whole torque on one flank.
-
-    For conforming flanks, `NODE_SPACING` at the distance of `spacing_for_loads`. None without
-    torque.
-    """
-    wanted = spacing_for_loads(bodies, (torque_Nm,), face_width_mm)
-    return None if wanted is None else NODE_SPACING * nodes_mm / wanted
-
-
 def wide_nodes_notes(
     bodies: tuple[Body, Body],
     nodes_mm: tuple[NDArray[np.float64] | None, NDArray[np.float64] | None],
-    torque_Nm: float,
+    torque_Nmm: float,
     face_width_mm: float,
 ) -> Iterator[str]:
     """Notes on nodes with forces, at arc lengths (n,), with too large distances."""
-    contact = _hertz_contact(bodies, torque_Nm, face_width_mm)
+    contact = _hertz_contact(bodies, torque_Nmm, face_width_mm)
     for name, nodes in zip(("body_1", "body_2"), nodes_mm, strict=True):
         if contact is None or nodes is None:
             continue

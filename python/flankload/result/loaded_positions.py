@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.base.rounding import round_down, round_up
+from flankload.base.torque import N_MM_PER_N_M
 from flankload.result.flank_contact import FlankContacts, flank_contacts
 from flankload.result.pairs import PairDrawing, PairTable
 
@@ -137,6 +138,11 @@ class LoadedPositions(PairPositions):
             object.__setattr__(self, key, frozen(array))
         if len(self.pair_tables) != size["P"]:
             raise ValueError(f"pair_tables: expected {size['P']}, found {len(self.pair_tables)}")
+
+    @property
+    def torque_Nmm(self) -> float:
+        """Torque on body 1, N mm."""
+        return N_MM_PER_N_M * self.torque_Nm
 
     @property
     def rotation_deg(self) -> Floats:

@@ -18,6 +18,7 @@ from msgspec.structs import replace
 from flankload.base.arguments import require_path
 from flankload.base.card import Card
 from flankload.base.files import path_of
+from flankload.base.torque import N_MM_PER_N_M
 from flankload.errors import SceneError, readable
 from flankload.scene.accuracy import Accuracy
 from flankload.scene.axial import check_dimension, three_dimensional_key
@@ -41,7 +42,6 @@ from flankload.scene.tree import scene_tree, toml_of, with_changes
 from flankload.scene.usual import with_questions
 
 #: N mm per N m.
-N_MM_PER_N_M = 1000.0
 #: Keys of bodies that name a file.
 FILE_KEYS = ("file", "profile_file", "topography_file")
 #: The table [pair] of chains and belts, whose scenes have none.

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.torque import in_newton_metres
 from flankload.contact import solve_contact_general
 from flankload.errors import ContactError, NoContactState
 from flankload.mechanisms.belt.strip import Kind
@@ -281,7 +282,7 @@ def _sums(number: Numbers, values: Floats, count: int) -> Floats:
 
 
 def state_under(
-    scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, account: Account
+    scene: Scene, strip: Strip, response: StripResponse, torque_Nmm: float, account: Account
 ) -> BeltState:
     """State of a belt under a torque; its work is counted.
 
@@ -289,18 +290,19 @@ def state_under(
     torque, or the belt jumps.
     """
     slack = slack_of(scene)
-    where = f"{torque_Nm:g} N m, slack strand {slack:g} N"
+    where = f"{in_newton_metres(torque_Nmm):g} N m, slack strand {slack:g} N"
     try:
-        state = _solved(scene, strip, response, torque_Nm, slack)
+        state = _solved(scene, strip, response, torque_Nmm, slack)
     except ContactError as error:
         friction, width = scene.effects.land_friction, strip.width_mm
         # without load the torque is that of the lands under the slack tension
         unloaded = contact_problem(strip, response, 0.0, slack / width, friction)
-        alone = -1e-3 * width * unloaded.torque
-        if alone > torque_Nm:
+        alone = -width * unloaded.torque
+        if alone > torque_Nmm:
             raise NoContactState(
                 f"{where}: lands that all slide with effects.land_friction = {friction:g} "
-                f"carry {alone:.4g} N m without any tooth, more than the torque: they stick"
+                f"carry {in_newton_metres(alone):.4g} N m without any tooth, more than the torque: "
+                "they stick"
             ) from error
         raise NoContactState(f"{where}: {error}") from error
     account.count(
@@ -315,7 +317,7 @@ def state_under(
         raise NoContactState(
             f"{where}: the land {land} lifts {state.land_lift_mm.max():.3g} mm, more than teeth "
             "are high; belts of this wrap jump below a slack tension of about "
-            f"{_jump_tension(scene, strip, response, torque_Nm, slack):.3g} N"
+            f"{_jump_tension(scene, strip, response, torque_Nmm, slack):.3g} N"
         )
     return state
 
@@ -331,12 +333,12 @@ def lands_in_words(sites: Numbers, some: Flags) -> str:
 
 
 def _solved(
-    scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, slack_N: float
+    scene: Scene, strip: Strip, response: StripResponse, torque_Nmm: float, slack_N: float
 ) -> BeltState:
     return solve_belt(
         strip,
         response,
-        1000.0 * torque_Nm / (strip.pitch_radius_mm * strip.width_mm),
+        torque_Nmm / (strip.pitch_radius_mm * strip.width_mm),
         slack_N / strip.width_mm,
         land_friction=scene.effects.land_friction,
         land_lift=scene.effects.land_lift,
@@ -349,17 +351,17 @@ def _jumps(strip: Strip, state: BeltState) -> bool:
 
 
 def _jump_tension(
-    scene: Scene, strip: Strip, response: StripResponse, torque_Nm: float, slack_N: float
+    scene: Scene, strip: Strip, response: StripResponse, torque_Nmm: float, slack_N: float
 ) -> float:
     """Slack tension (N) below which the belt jumps; it jumps at the given one."""
     low, high = slack_N, 2.0 * slack_N
     for _ in range(STEPS):
-        if not _jumps(strip, _solved(scene, strip, response, torque_Nm, high)):
+        if not _jumps(strip, _solved(scene, strip, response, torque_Nmm, high)):
             break
         low, high = high, 2.0 * high
     for _ in range(STEPS):
         middle = 0.5 * (low + high)
-        if _jumps(strip, _solved(scene, strip, response, torque_Nm, middle)):
+        if _jumps(strip, _solved(scene, strip, response, torque_Nmm, middle)):
             low = middle
         else:
             high = middle

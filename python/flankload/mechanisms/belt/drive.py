@@ -190,11 +190,11 @@ def error_estimates(
         tried.append((p, [body_1, body_2, ("elements body 2", at(row, None), at(coarse, None))]))
     places = None if assembly.pitches is None else phases(strip, assembly.position_rad)
     estimates: list[Mapping[str, object] | None] = []
-    for torque, states in zip(scene.torques_Nm, found, strict=True):
+    for torque, states in zip(scene.torques_Nmm, found, strict=True):
         if torque == 0.0:
             estimates.append(None)
             continue
-        solve = partial(state_under, scene, strip, torque_Nm=torque, account=account)
+        solve = partial(state_under, scene, strip, torque_Nmm=torque, account=account)
         compared = defaultdict(list)
         for p, responses in tried:
             for n, (source, own, other) in enumerate(responses):

@@ -75,7 +75,7 @@ class TimingBelt(WrappedMechanism):
         unloaded: bool = True,
     ) -> tuple[BeltAssembly, BeltStates]:
         """Solve all positions and torques; none is continued from similar states."""
-        strip, torques = assembly.strip, scene.torques_Nm
+        strip, torques = assembly.strip, scene.torques_Nmm
         found: tuple[list[BeltState], ...] = tuple([] for _ in torques)
         springs = None
         progress = clock.sweep_progress("sweep")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.torque import in_newton_metres
 from flankload.errors import ContactError, NoContactState, SceneError
 from flankload.mechanisms.chain.contact import CONVERGED, WrapState, solve_wrap, work_of
 from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
@@ -71,7 +72,7 @@ def error_estimate(
     scene: Scene,
     assembly: ChainAssembly,
     states: list[WrapState],
-    torque_Nm: float,
+    torque_Nmm: float,
     account: Account,
 ) -> dict[str, object]:
     """Error of one linear state, from an iteration at two positions, in the form of the result.
@@ -87,7 +88,7 @@ def error_estimate(
         other = solve_wrap(
             assembly.wraps[p],
             assembly.chain,
-            1000.0 * torque_Nm,
+            torque_Nmm,
             slack_of(scene),
             large_displacement=True,
             with_compliance=False,
@@ -125,7 +126,7 @@ def build_drive(scene: Scene) -> tuple[Sprocket, Chain, float]:
     return sprocket, chain, radians(spec_2.wrap_angle_deg)
 
 
-def solve_position(scene: Scene, assembly: ChainAssembly, torque_Nm: float, p: int) -> WrapState:
+def solve_position(scene: Scene, assembly: ChainAssembly, torque_Nmm: float, p: int) -> WrapState:
     """State of a position.
 
     Raises NoContactState if there is none; the message names the tension below which the chain
@@ -134,14 +135,12 @@ def solve_position(scene: Scene, assembly: ChainAssembly, torque_Nm: float, p: i
     slack = slack_of(scene)
     wrap, large = assembly.wraps[p], scene.effects.large_displacement
     one, two = wrap.levers_mm
-    tight = (1000.0 * torque_Nm + slack * two) / one
+    tight = (torque_Nmm + slack * two) / one
     limit = float(wrap.sprocket.jump_tension(np.array(tight), assembly.wrap_angle_rad))
-    where = f"position {p} at {torque_Nm:g} N m"
+    where = f"position {p} at {in_newton_metres(torque_Nmm):g} N m"
     needed = f"chains of this wrap jump below a slack tension of about {limit:.3g} N"
     try:
-        state = solve_wrap(
-            wrap, assembly.chain, 1000.0 * torque_Nm, slack, large_displacement=large
-        )
+        state = solve_wrap(wrap, assembly.chain, torque_Nmm, slack, large_displacement=large)
     except ContactError as error:
         raise NoContactState(f"{where}: {error}; {needed}, it is {slack:g} N") from error
     if not large:

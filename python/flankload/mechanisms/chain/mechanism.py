@@ -66,7 +66,7 @@ class ChainOnSprocket(WrappedMechanism):
         progress, count = clock.sweep_progress("sweep"), len(assembly.wraps)
         found: list[list[WrapState]] = []
         with clock.stage("sweep") as account:
-            for torque in scene.torques_Nm:
+            for torque in scene.torques_Nmm:
                 found.append([])
                 for p in range(count):
                     progress((len(found) - 1) * count + p, count * len(scene.torques_Nm))
@@ -93,7 +93,7 @@ class ChainOnSprocket(WrappedMechanism):
         with clock.stage("estimate") as account:
             return [
                 error_estimate(scene, assembly, found, torque, account)
-                for torque, found in zip(scene.torques_Nm, states.found, strict=True)
+                for torque, found in zip(scene.torques_Nmm, states.found, strict=True)
             ]
 
     def meshes(self, scene: Scene) -> Iterator[MeshFile]:

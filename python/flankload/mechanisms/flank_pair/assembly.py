@@ -85,7 +85,7 @@ def bodies_of(
         if effects_of(scene).nodal_near_field:
             # from the scene, or from the contact width
             nodes_mm = element_mm or spacing_for_loads(
-                (made(0), made(1)), scene.torques_Nm, scene.pair.face_width_mm
+                (made(0), made(1)), scene.torques_Nmm, scene.pair.face_width_mm
             )
             bodies = tuple(made(z, nodes_mm=nodes_mm) for z in which)
             for z, body in zip(which, bodies, strict=True):
@@ -106,7 +106,7 @@ def bodies_of(
 def node_spacing_of(scene: Scene, parts: Parts | None = None) -> float | None:
     """Distance of nodes with forces by the contact width, mm; None without elements."""
     one, two = (_body(scene, DEFAULT, parts, z) for z in (0, 1))
-    return spacing_for_loads((one, two), scene.torques_Nm, scene.pair.face_width_mm)
+    return spacing_for_loads((one, two), scene.torques_Nmm, scene.pair.face_width_mm)
 
 
 def build_bodies(
@@ -205,7 +205,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *question_notes(scene),
         *(f"body_1: {note}" for note in pair.body_1.notes),
         *(f"body_2: {note}" for note in pair.body_2.notes),
-        *spacing_notes(pair.bodies, scene.torques_Nm, scene.pair.face_width_mm),
+        *spacing_notes(pair.bodies, scene.torques_Nmm, scene.pair.face_width_mm),
         *pair.pairing.warnings,
         *([] if slices is None else tilt_notes(pair.pairing.fit, slices)),
         *window_notes,

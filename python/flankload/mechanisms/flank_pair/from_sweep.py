@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
+from flankload.base.torque import in_newton_metres
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
@@ -65,7 +66,7 @@ def result_of(
     pair_notes = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
-        torque_Nm=found.torque_Nmm / 1000.0,
+        torque_Nm=in_newton_metres(found.torque_Nmm),
         sites=pair.pairing.sites[carries],
         position_rad=pair.position_rad,
         rotation_rad=found.rotation_rad,

@@ -43,7 +43,7 @@ def notes_of_sweep(
     yield from wide_nodes_notes(
         pair.bodies,
         (compliances[0].modes.nodes, compliances[1].modes.nodes),
-        found.torque_Nmm / 1000.0,
+        found.torque_Nmm,
         face_width_mm,
     )
     yield from corner_notes(pair, found)

@@ -144,7 +144,7 @@ def model_of(
             _part(pair.body_2, flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
         ),
         sites=sites,
-        torque_Nmm=1000.0 * result.torque_Nm / result.face_width_mm,
+        torque_Nmm=result.torque_Nmm / result.face_width_mm,
         start_rad=start,
         plane=plane,
         large_displacement=large_displacement,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.plain import plain
+from flankload.base.torque import in_newton_metres
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -53,7 +54,7 @@ def tree_of(v: Verification) -> dict[str, Any]:
             "rotation_rad": answer.rotation_rad,
             "site_force_N": answer.force_N_per_mm * v.face_width_mm,
             "peak_pressure_MPa": answer.pressure_MPa,
-            "torque_found_Nm": answer.moment_N * v.face_width_mm / 1000.0,
+            "torque_found_Nm": in_newton_metres(answer.moment_N * v.face_width_mm),
             **{name: getattr(answer, name) for name in ("iterations", "cpu_s", "wall_s")},
         }
         if v.layers is not None and answer.line_load_N_per_mm is not None:

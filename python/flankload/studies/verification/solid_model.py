@@ -87,7 +87,7 @@ def solid_model_of(
             _part(pair, 1, places, edges, stands[1], elements),
         ),
         sites=sites,
-        torque_Nmm=1000.0 * result.torque_Nm,
+        torque_Nmm=result.torque_Nmm,
         start_rad=start,
         large_displacement=large_displacement,
         edges_mm=edges,
