@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,10 +23,6 @@ if TYPE_CHECKING:
 
 #: Entries of the cost that each torque has for itself.
 COST_OF_TORQUE = ("of_this_torque", "largest_backward_error", "largest_condition")
-NO_TUPLE = (
-    "the result of a list of torques is no tuple any more (its access ends with 1.0): use "
-    "result.by_torque, result.at(torque_Nm), or the first axis of its arrays"
-)
 
 
 def _attributes(kind: type) -> Iterator[str]:
@@ -119,27 +114,6 @@ class TorqueSeries(Result):
     def pairs(self, p: int) -> tuple[PairTable, ...]:  # type: ignore[override]
         """Contact pairs of position p, a table for each torque."""
         return tuple(one.pairs(p) for one in self.by_torque)
-
-    def __bool__(self) -> bool:
-        return True
-
-    def __len__(self) -> int:
-        warnings.warn(NO_TUPLE, DeprecationWarning, stacklevel=2)
-        return len(self.by_torque)
-
-    def __iter__(self) -> Iterator[Result]:
-        warnings.warn(NO_TUPLE, DeprecationWarning, stacklevel=2)
-        return iter(self.by_torque)
-
-    @overload
-    def __getitem__(self, index: int) -> Result: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> tuple[Result, ...]: ...
-
-    def __getitem__(self, index: int | slice) -> Result | tuple[Result, ...]:
-        warnings.warn(NO_TUPLE, DeprecationWarning, stacklevel=2)
-        return self.by_torque[index]
 
 
 def result_of_torques(results: Sequence[Result], *, listed: bool) -> Result:

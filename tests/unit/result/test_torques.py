@@ -2,7 +2,6 @@
 
 import json
 import pickle
-import warnings
 from functools import cache
 from typing import Any
 
@@ -106,24 +105,6 @@ def test_unknown_torques_are_refused_with_those_that_exist() -> None:
         assert str(caught.value) == f"torque_Nm: expected one of 100, 302, found {shown}"
     with pytest.raises(fl.InputError, match="expected one of 302, found 1"):
         made_up_result().at(1)
-
-
-def test_the_tuple_of_earlier_versions_still_works_with_a_warning() -> None:
-    found = made_up()
-    line = r"no tuple any more .*: use result\.by_torque"
-    with pytest.warns(DeprecationWarning, match=line) as caught:
-        light, heavy = found
-    assert caught[0].filename == __file__
-    assert (light, heavy) == found.by_torque
-    with pytest.warns(DeprecationWarning, match=line):
-        assert len(found) == 2
-    with pytest.warns(DeprecationWarning, match=line):
-        assert found[-1] is heavy
-    with pytest.warns(DeprecationWarning, match=line):
-        assert [one.torque_Nm for one in found] == [100.0, 302.0]
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert found
 
 
 def test_files_and_texts_are_those_of_the_single_results() -> None:
