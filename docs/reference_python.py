@@ -8,6 +8,7 @@ import textwrap
 from collections.abc import Iterator
 from typing import Any
 
+from msgspec import UNSET
 from reference_markdown import table
 
 import flankload as fl
@@ -116,7 +117,11 @@ def signature(function: Any) -> str:
     """Name and arguments with their defaults; types are in the documentation."""
     found = inspect.signature(function)
     bare = [
-        argument.replace(annotation=inspect.Parameter.empty)
+        argument.replace(
+            annotation=inspect.Parameter.empty,
+            # of a key that follows from others; None is the same
+            default=None if argument.default is UNSET else argument.default,
+        )
         for argument in found.parameters.values()
         if argument.name not in ("self", "cls")
     ]

@@ -40,6 +40,10 @@ def body_tables() -> dict[str, tuple[type[Table], tuple[str, ...]]]:
     return found
 
 
+#: Keys that follow from other tables, with their condition.
+BY_OTHER_TABLES = {"face_width_mm": "both bodies have one"}
+
+
 def keys_of(form: type[Table], before: str = "") -> list[Key]:
     """Keys of a table and of the tables in it, in their order."""
     found = []
@@ -59,7 +63,7 @@ def keys_of(form: type[Table], before: str = "") -> list[Key]:
         if others := form.instead_of.get(name, ()) if is_required(field) else ():
             default = f"required, or {' or '.join(f'`{other}`' for other in others)}"
         elif field.default is BY_NAME:
-            default = "required unless a name gives it"
+            default = f"required unless {BY_OTHER_TABLES.get(name, 'a name gives it')}"
         low_high = f"{usual[name].low:g} to {usual[name].high:g}" if name in usual else ""
         if name in usual and (per := usual[name].per) is not None:
             low_high += f", {per[1]:g} per mm of `{per[0]}`"

@@ -50,7 +50,7 @@ def solve(**changes: Any) -> fl.Result:
 def plane(**changes: Any) -> fl.Result:
     """The plane section, with contact on cells."""
     of_slices = ("axial_degree", "load_degree_z", "slices")
-    straight = {f"body_{z}__face_width_mm": None for z in (1, 2)}
+    straight = {f"body_{z}__face_width_mm": 16.0 for z in (1, 2)}
     none = {f"accuracy__{key}": None for key in of_slices} | {"effects__dimension": None}
     return solve(**straight, **none, **changes)
 
@@ -67,7 +67,6 @@ def test_a_wide_coupling_is_that_of_plane_cells() -> None:
         found = solve(
             **rigid,
             **wide,
-            pair__face_width_mm=16.0 * times,
             load__torque_Nm=600.0 * times,
             accuracy__axial_degree=degree,
         )

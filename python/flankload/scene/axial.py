@@ -86,7 +86,12 @@ Hand = Annotated[
 ]
 OwnWidth = Annotated[
     Length | None,
-    about("face width of this body; absent = pair.face_width_mm", "mm", usual=(0.05, 5000.0)),
+    about(
+        "face width of this body; absent = pair.face_width_mm, which may be absent if both bodies "
+        "have their own",
+        "mm",
+        usual=(0.05, 5000.0),
+    ),
 ]
 AxialOffset = Annotated[
     float,
@@ -264,11 +269,34 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
         if length > width:
             expected = f"at most the face width of the body, {width:g}"
             refuse(f"{key}.end_relief_length_mm[{k}]", expected, length)
-    ends = body.axial_offset_mm - 0.5 * width, body.axial_offset_mm + 0.5 * width
+    ends = _ends(body, width)
     body.check_extents(ends, key)
     if body.shaft is not None and body.shaft.is_flexible:
         _check_flexible(body, body.shaft, ends, key)
     return ends
+
+
+def common_range(one: AxialKeys, two: AxialKeys, pair_width_mm: float = 0.0) -> tuple[float, float]:
+    """Axial range in which the face widths of two bodies overlap, mm.
+
+    `pair_width_mm` is that of bodies without their own. Raises SceneError without an overlap.
+    """
+    (low_1, high_1), (low_2, high_2) = (
+        _ends(body, body.face_width_mm or pair_width_mm) for body in (one, two)
+    )
+    low, high = max(low_1, low_2), min(high_1, high_2)
+    if high <= low:
+        refuse(
+            "body_2.axial_offset_mm",
+            f"an offset at which the face widths overlap: body_1 extends from {low_1:g} to "
+            f"{high_1:g} mm",
+            f"{two.axial_offset_mm:g}, where body_2 extends from {low_2:g} to {high_2:g} mm",
+        )
+    return low, high
+
+
+def _ends(body: AxialKeys, width_mm: float) -> tuple[float, float]:
+    return body.axial_offset_mm - 0.5 * width_mm, body.axial_offset_mm + 0.5 * width_mm
 
 
 def _check_flexible(body: AxialKeys, shaft: Shaft, ends: tuple[float, float], key: str) -> None:
@@ -402,13 +430,6 @@ def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
         )
     if two.inward is not None:
         check_hands(one.hand_sign, two.hand_sign, inward=two.inward)
-    (low_1, high_1), (low_2, high_2) = (
-        axial_range(body, pair_width_mm, f"body_{z}") for z, body in enumerate((one, two), start=1)
-    )
-    if min(high_1, high_2) <= max(low_1, low_2):
-        refuse(
-            "body_2.axial_offset_mm",
-            f"an offset at which the face widths overlap: body_1 extends from {low_1:g} to "
-            f"{high_1:g} mm",
-            f"{two.axial_offset_mm:g}, where body_2 extends from {low_2:g} to {high_2:g} mm",
-        )
+    for z, body in enumerate((one, two), start=1):
+        axial_range(body, pair_width_mm, f"body_{z}")
+    common_range(one, two, pair_width_mm)

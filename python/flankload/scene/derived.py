@@ -1,4 +1,4 @@
-"""Keys that follow from others, as on drawings: tip diameter, centre distance, starts of reliefs.
+"""Keys that follow from others, as on drawings: diameters, centre distance, width, reliefs.
 
 The formulas are those of DIN 3960 and ISO 21771. `long` and `short` reliefs begin where the number
 of pairs in contact changes from one to two, and half way from there to the end of the path of
@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from msgspec import UNSET, structs
 
 from flankload.base.involute import distance_of_backlash, ends_of_path
+from flankload.scene.axial import AxialKeys, common_range
 from flankload.scene.involute import InvoluteKeys
+from flankload.scene.pair import Pair
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import SMALLEST_LENGTH
 from flankload.scene.thickness import Teeth, generating_shift
@@ -23,7 +25,7 @@ from flankload.scene.tree import number_at
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene, SceneFile
 
-DISTANCE = "pair.center_distance_mm"
+DISTANCE, WIDTH = "pair.center_distance_mm", "pair.face_width_mm"
 #: Contact ratios between which one and two pairs are in contact in turn.
 ONE_PAIR, TWO_PAIRS = 1.0, 2.0
 
@@ -73,6 +75,24 @@ def with_tip_diameters(asked: SceneFile) -> SceneFile:
     return asked
 
 
+def with_common_width(asked: SceneFile) -> SceneFile:
+    """The scene with the overlap of both face widths as their common one.
+
+    Raises
+    ------
+    SceneError
+        If the bodies do not overlap.
+    """
+    one, two = asked.body_1, asked.body_2
+    pair: Any = asked.pair or Pair()
+    if asked.body_2.is_drive or pair.face_width_mm is not UNSET:
+        return asked
+    assert isinstance(one, AxialKeys)
+    assert isinstance(two, AxialKeys)
+    low, high = common_range(one, two)
+    return structs.replace(asked, pair=structs.replace(pair, face_width_mm=high - low))
+
+
 def with_pair_geometry(asked: SceneFile) -> SceneFile:
     """The scene with centre distance and starts of reliefs that follow from other keys.
 
@@ -108,8 +128,9 @@ def derived_keys(asked: SceneFile, given: Mapping[str, Any]) -> frozenset[str]:
         for name in flank.keys.instead_of:
             if name not in table and getattr(flank.keys, name) is not None:
                 found.add(f"{flank.path}.{name}")
-    if asked.pair is not None and asked.pair.center_distance_mm is not None:
-        found |= {DISTANCE} - {f"pair.{name}" for name in given.get("pair", {})}
+    if asked.pair is not None:
+        paths = {WIDTH} if asked.pair.center_distance_mm is None else {WIDTH, DISTANCE}
+        found |= paths - {f"pair.{name}" for name in given.get("pair", {})}
     return frozenset(found)
 
 
@@ -123,6 +144,8 @@ def derived_rows(scene: Scene) -> tuple[tuple[str, str], ...]:
 
 def source_of(scene: Scene, path: str) -> str:
     """Words for the origin of a key that follows from others."""
+    if path == WIDTH:
+        return "the overlap of both face widths"
     place, _, name = path.rpartition(".")
     table: Any = scene
     for part in place.split("."):

@@ -5,7 +5,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from functools import cache
 from math import inf
-from types import UnionType
+from types import MappingProxyType, UnionType
 from typing import Annotated, Any, NamedTuple, NoReturn, TypeVar, Union, get_args, get_origin
 
 import msgspec
@@ -81,12 +81,15 @@ class _Member(NamedTuple):
         Those between which the key `kind` chooses, or the only one.
     form : Table type or None
         None if there is no known kind.
+    by_others : mapping of str to tuple of str
+        Its keys that follow from other tables, with the missing keys of these.
     """
 
     forms: tuple[type[Table], ...]
     form: type[Table] | None
     given: Mapping[str, Any]
     key: str
+    by_others: Mapping[str, tuple[str, ...]] = MappingProxyType({})
 
 
 def _members_of(form: type[Table], table: object, key: str) -> Iterator[_Member]:
@@ -94,6 +97,7 @@ def _members_of(form: type[Table], table: object, key: str) -> Iterator[_Member]
     if not isinstance(table, Mapping):
         return
     yield _Member((form,), form, table, key)
+    by_others = form.given_by_others(table)
     for name, field in fields_of(form).items():
         forms = _tables_of(field.type)
         absent: dict[str, Any] | None = {} if name in _required_in(form, table) else None
@@ -103,7 +107,8 @@ def _members_of(form: type[Table], table: object, key: str) -> Iterator[_Member]
         chosen = [one for one in forms if one.__struct_config__.tag in (None, value.get("kind"))]
         if chosen:
             inner = list(_members_of(chosen[0], value, _path(key, name)))
-            yield inner[0]._replace(forms=forms)
+            own = {path.removeprefix(f"{name}."): keys for path, keys in by_others.items()}
+            yield inner[0]._replace(forms=forms, by_others=own)
             yield from inner[1:]
         else:
             yield _Member(forms, None, value, _path(key, name))
@@ -155,9 +160,11 @@ def _missing(member: _Member) -> Iterator[tuple[str, str]]:
         return
     for name in _required_in(form, given):
         kind = fields_of(form)[name].type
-        if name not in given and not _tables_of(kind):
+        others = member.by_others.get(name)
+        if name not in given and not _tables_of(kind) and others != ():
             expected = expected_of(inspect.type_info(kind))
-            yield _path(key, name), " or ".join((expected, *form.instead_of.get(name, ())))
+            also = (*form.instead_of.get(name, ()), *(others or ()))
+            yield _path(key, name), " or ".join((expected, *also))
 
 
 def _required_in(form: type[Table], given: Mapping[str, Any]) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from flankload.scene.axial import MISALIGNMENTS
 from flankload.scene.involute import InvoluteKeys
 from flankload.scene.refusal import refuse
 from flankload.scene.table import (
+    BY_OTHERS,
     LARGEST_TILT,
     USUAL_MODIFICATION,
     USUAL_SIZE,
@@ -69,8 +70,14 @@ class Pair(Table, frozen=True, kw_only=True):
         ),
     ] = None
     face_width_mm: Annotated[
-        Length, about("common width of the flanks in contact", "mm", usual=(0.05, 5000.0))
-    ]
+        Length,
+        about(
+            "common width of the flanks in contact; absent = the overlap of the face widths of "
+            "both bodies, which are then required",
+            "mm",
+            usual=(0.05, 5000.0),
+        ),
+    ] = BY_OTHERS
 
     inclination_um_per_mm: Annotated[
         Misalignment,

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
-from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, axial_range
+from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, common_range
+from flankload.scene.derived import WIDTH
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.gear import Gear, Ring
 
@@ -34,17 +35,21 @@ def plane_section(scene: Scene) -> Scene:
     keys of its transverse section, so that flanks are unchanged; the root fillet differs, since the
     tip of that rack is a circle instead of an ellipse.
     """
-    bodies, width = (scene.body_1, scene.body_2), scene.pair.face_width_mm
-    ends = [axial_range(body, width, "") for body in bodies if isinstance(body, AxialKeys)]
-    common = min(high for _, high in ends) - max(low for low, _ in ends)
+    one, two = scene.body_1, scene.body_2
+    assert isinstance(one, AxialKeys)
+    assert isinstance(two, AxialKeys)
+    low, high = common_range(one, two, scene.pair.face_width_mm)
     contact = scene.effects.contact if "contact" in scene.named_effects else EffectsAsked().contact
     return replace(
         scene,
         body_1=_straight(scene.body_1),
         body_2=_straight(scene.body_2),
-        pair=structs.replace(scene.pair, face_width_mm=common, **dict.fromkeys(MISALIGNMENTS, 0.0)),
+        pair=structs.replace(
+            scene.pair, face_width_mm=high - low, **dict.fromkeys(MISALIGNMENTS, 0.0)
+        ),
         effects=structs.replace(scene.effects, dimension=None, contact=contact),
         accuracy=structs.replace(scene.accuracy, **dict.fromkeys(OF_SLICES)),
+        derived=scene.derived - {WIDTH},
         named_effects=scene.named_effects - {"dimension"},
         named_discretization_keys=scene.named_discretization_keys
         - {f"accuracy.{key}" for key in OF_SLICES},

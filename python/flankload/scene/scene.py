@@ -21,12 +21,18 @@ from flankload.base.files import path_of
 from flankload.base.torque import N_MM_PER_N_M
 from flankload.errors import SceneError, readable
 from flankload.scene.accuracy import Accuracy
-from flankload.scene.axial import check_dimension, three_dimensional_key
+from flankload.scene.axial import AxialKeys, check_dimension, three_dimensional_key
 from flankload.scene.belt import Belt, Pulley
 from flankload.scene.cam import Cam, Follower
 from flankload.scene.catalogue import with_catalogue
 from flankload.scene.chain import Chain, Sprocket
-from flankload.scene.derived import derived_keys, with_pair_geometry, with_tip_diameters
+from flankload.scene.derived import (
+    WIDTH,
+    derived_keys,
+    with_common_width,
+    with_pair_geometry,
+    with_tip_diameters,
+)
 from flankload.scene.drive import check_drive
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.effects.rules import check_effects
@@ -77,6 +83,19 @@ class SceneFile(Table, frozen=True, kw_only=True):
             if kind not in known:
                 return ()
         return ("pair",)
+
+    @classmethod
+    def given_by_others(cls, given: Mapping[str, Any]) -> Mapping[str, tuple[str, ...]]:
+        """The common face width, by those of both bodies."""
+        missing = []
+        for name, forms in (("body_1", Body1), ("body_2", Body2)):
+            body = given.get(name)
+            with_width = [form for form in get_args(forms) if issubclass(form, AxialKeys)]
+            kinds = [form.__struct_config__.tag for form in with_width]
+            if not isinstance(body, Mapping) or body.get("kind") not in kinds:
+                return {}
+            missing += [] if "face_width_mm" in body else [f"{name}.face_width_mm"]
+        return {} if len(missing) > 1 else {WIDTH: tuple(missing)}
 
     def check(self, given: Mapping[str, Any]) -> None:
         """Check the rules between the tables; `given` is the scene as in the file.
@@ -318,7 +337,8 @@ class Scene(Card):
         require_path("file", file)
         path = Path(file) if file is not None else None
         try:
-            asked = with_tip_diameters(read_table(SceneFile, with_catalogue(d), ""))
+            asked = read_table(SceneFile, with_catalogue(d), "")
+            asked = with_common_width(with_tip_diameters(asked))
             _check_all(asked, d)
             asked = with_pair_geometry(asked)
             asked = _with_slices(_without_repetition(asked, d), d)

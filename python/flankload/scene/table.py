@@ -32,7 +32,8 @@ Shift = Annotated[float, Meta(ge=-5, le=5)]
 #: Default of a required key that can follow from a name (module `catalogue`). Tables made in Python
 #: may omit it; the reader refuses scenes without it.
 BY_NAME: Any = UNSET
-#: Default of a required key that can follow from others of its table (`Table.instead_of`).
+#: Default of a required key that can follow from others of its table (`Table.instead_of`) or of
+#: other tables (`Table.given_by_others`).
 BY_OTHERS: Any = UNSET
 
 
@@ -140,6 +141,14 @@ class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metac
     def also_required(cls, given: Mapping[str, Any]) -> tuple[str, ...]:
         """Optional keys that are required in a table with the given keys."""
         return ()
+
+    @classmethod
+    def given_by_others(cls, given: Mapping[str, Any]) -> Mapping[str, tuple[str, ...]]:
+        """Keys of tables inside that follow from other tables, with the missing keys of these.
+
+        Without a missing one, the key itself is not required.
+        """
+        return {}
 
 
 class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):

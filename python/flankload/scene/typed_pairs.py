@@ -102,8 +102,9 @@ class Drive(AsScene, Table, frozen=True, kw_only=True):
 class GearPair(FlankPair, frozen=True):
     """Two gears, or a gear in a ring; both may be imported bodies.
 
-    `face_width_mm` and `torque_Nm` are required; without `center_distance_mm` the gears have no
-    backlash, or `normal_backlash_um`. A key at its default counts as absent.
+    `torque_Nm` is required, and `face_width_mm` unless both bodies have their own; without
+    `center_distance_mm` the gears have no backlash, or `normal_backlash_um`. A key at its default
+    counts as absent.
 
     Examples
     --------
@@ -118,7 +119,7 @@ class GearPair(FlankPair, frozen=True):
 
 
 class Spline(FlankPair, frozen=True):
-    """A splined shaft in its hub; `face_width_mm` and `torque_Nm` are required."""
+    """A splined shaft in its hub; keys as of `GearPair`."""
 
     body_1: SplineShaft
     body_2: SplineHub

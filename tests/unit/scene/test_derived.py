@@ -13,6 +13,8 @@ from flankload.cli import main
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.data_sheet import data_sheet
 from flankload.pairing.gear_pair import GearGeometry
+from flankload.scene.axial import three_dimensional_key
+from flankload.scene.plane_section import plane_section
 from tests.support.drawing import drawing
 from tests.support.gear_scenes import MESH, RING, SCENE
 from tests.support.paths import SCENES
@@ -189,6 +191,72 @@ def test_a_length_from_the_tip_of_a_ring_goes_outwards() -> None:
     assert reach[1] - reach[0] == pytest.approx(3.0, rel=1e-12)
 
 
+# --- common face width ----------------------------------------------------------------------------
+def with_widths(one: float | None, two: float | None, offset_mm: float = 0.0) -> dict[str, Any]:
+    """An external pair without `pair.face_width_mm`; None: a body without a width of its own."""
+    keys = ({} if width is None else {"face_width_mm": width} for width in (one, two))
+    bodies = [RIGID | own for own in keys]
+    bodies[1] |= {"axial_offset_mm": offset_mm}
+    return drawing(*bodies, face_width_mm=None)
+
+
+@pytest.mark.parametrize(("offset_mm", "width_mm"), [(0.0, 22.0), (-2.0, 22.0), (5.0, 19.0)])
+def test_the_common_face_width_is_the_overlap(offset_mm: float, width_mm: float) -> None:
+    found = scene(with_widths(26, 22, offset_mm))
+    assert found.pair.face_width_mm == width_mm
+    assert found.derived == {"pair.face_width_mm"}
+    assert "face_width_mm" not in found.to_dict()["pair"]
+    assert fl.Scene.from_dict(found.to_dict()) == found
+    wider = found.replace({"body_2.face_width_mm": 60})
+    assert wider.pair.face_width_mm == 26
+    section = plane_section(found)
+    assert section.replace({"positions.count": 8}).pair.face_width_mm == width_mm
+
+
+def test_equal_widths_need_no_third_one_in_the_plane() -> None:
+    table = {**SCENE["pair"]}
+    width = table.pop("face_width_mm")
+    bodies = {name: {**SCENE[name], "face_width_mm": width} for name in ("body_1", "body_2")}
+    found = scene({**SCENE, **bodies, "pair": table})
+    assert found.pair == scene(SCENE).pair
+    assert three_dimensional_key(found) is None
+
+
+def test_a_table_of_derived_keys_may_be_absent() -> None:
+    tables = with_widths(26, 22)
+    del tables["pair"]
+    found = scene(tables)
+    assert found.derived == {"pair.face_width_mm", "pair.center_distance_mm"}
+    assert "pair" not in found.to_dict()
+
+
+@pytest.mark.parametrize(
+    ("tables", "line"),
+    [
+        (
+            with_widths(None, None),
+            "pair.face_width_mm: expected a number from 0.001 to 100000, found nothing",
+        ),
+        (
+            with_widths(26, None),
+            (
+                "pair.face_width_mm: expected a number from 0.001 to 100000 or "
+                "body_2.face_width_mm, found nothing"
+            ),
+        ),
+        (
+            with_widths(26, 22, 24.0),
+            (
+                "body_2.axial_offset_mm: expected an offset at which the face widths overlap: "
+                "body_1 extends from -13 to 13 mm, found 24, where body_2 extends from 13 to 35 mm"
+            ),
+        ),
+    ],
+)
+def test_without_a_common_face_width(tables: dict[str, Any], line: str) -> None:
+    assert str(refused(tables)) == line
+
+
 # --- changes, files -------------------------------------------------------------------------------
 def test_derived_keys_follow_changes_and_are_not_written() -> None:
     short = {"tip_diameter_mm": None, "addendum_factor": 1, **BOTH}
@@ -236,6 +304,9 @@ def test_check_prints_what_was_derived(tmp_path: Path, capsys: pytest.CaptureFix
     assert derived[1].split()[0] == "pair.center_distance_mm"
     assert derived[1].endswith(" mm, by normal_backlash_um = 50")
     assert derived[2] == ""
+    assert main(["check", str(SCENES / "crowned_coupling.toml")]) == 0
+    row = "pair.face_width_mm 16.0000 mm, by the overlap of both face widths"
+    assert row in " ".join(capsys.readouterr().out.split())
 
 
 # --- error lines ----------------------------------------------------------------------------------
