@@ -57,7 +57,7 @@ def main() -> None:
     write_atomically(PAGE / "accuracy.md", "\n".join(_page(studies)) + "\n")
 
 
-def _page(studies: dict[str, fl.Study]) -> Iterator[str]:
+def _page(studies: dict[str, fl.AccuracyStudy]) -> Iterator[str]:
     text = (PAGE / "accuracy.in.md").read_text(encoding="utf-8")
     parts = {
         "PAIRS": "\n".join(line for name in PAIRS for line in _pair(name, studies[name])),
@@ -84,11 +84,11 @@ def _table(head: list[str], rows: list[list[str]]) -> Iterator[str]:
     yield from (f"| {' | '.join(row)} |" for row in rows)
 
 
-def _named(study: fl.Study) -> list[str]:
+def _named(study: fl.AccuracyStudy) -> list[str]:
     return [name for name in HEADS if any(name in row.errors for row in study.rows)]
 
 
-def _pair(name: str, study: fl.Study) -> Iterator[str]:
+def _pair(name: str, study: fl.AccuracyStudy) -> Iterator[str]:
     """Picture, cheapest settings, ladders of a pair."""
     yield f"### {PAIRS[name]}: `{name}.toml`"
     yield ""
@@ -127,7 +127,7 @@ def _pair(name: str, study: fl.Study) -> Iterator[str]:
     yield ""
 
 
-def _shares(studies: dict[str, fl.Study]) -> Iterator[str]:
+def _shares(studies: dict[str, fl.AccuracyStudy]) -> Iterator[str]:
     """Errors of each parameter at its default."""
     for name, study in studies.items():
         names = _named(study)
@@ -149,7 +149,7 @@ def _shares(studies: dict[str, fl.Study]) -> Iterator[str]:
         yield ""
 
 
-def _levels(studies: dict[str, fl.Study]) -> Iterator[str]:
+def _levels(studies: dict[str, fl.AccuracyStudy]) -> Iterator[str]:
     names = list(HEADS)
     rows = []
     for name, study in studies.items():
@@ -169,7 +169,7 @@ def _levels(studies: dict[str, fl.Study]) -> Iterator[str]:
     yield from _table(head, rows)
 
 
-def _wanted(study: fl.Study) -> Iterator[str]:
+def _wanted(study: fl.AccuracyStudy) -> Iterator[str]:
     """A run with even positions against the limits of the study."""
     runs = Runs(fl.read_scene(SCENES / "external_gear.toml"), KEPT / "external_gear.jsonl")
     run = runs.at(WANTED_SETTING)
@@ -215,7 +215,7 @@ def _corners() -> Iterator[str]:
     )
 
 
-def _modes(study: fl.Study) -> Iterator[str]:
+def _modes(study: fl.AccuracyStudy) -> Iterator[str]:
     """Modes on the default elements, against the limit of all parameters."""
     base = study.knobs.base
     rows = []

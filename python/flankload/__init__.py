@@ -58,7 +58,7 @@ if TYPE_CHECKING:
         read_scene,
     )
     from flankload.scene.iso_1328 import FlankTolerances, iso_1328
-    from flankload.studies.accuracy import Study, accuracy
+    from flankload.studies.accuracy import AccuracyStudy, accuracy
     from flankload.studies.design import DesignStudy, study
     from flankload.studies.optimisation import Optimum, optimise
     from flankload.studies.plan import Plan, plan
@@ -68,6 +68,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Accuracy",
+    "AccuracyStudy",
     "Belt",
     "BeltAndPulley",
     "Cam",
@@ -109,7 +110,6 @@ __all__ = [
     "SplineHub",
     "SplineShaft",
     "Sprocket",
-    "Study",
     "Verification",
     "__version__",
     "accuracy",
@@ -187,7 +187,7 @@ _MODULE_OF_NAME = {
     "Robust": "studies.robustness",
     "robust": "studies.robustness",
     "Sensitivity": "studies.sensitivity",
-    "Study": "studies.accuracy",
+    "AccuracyStudy": "studies.accuracy",
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",
     "verify": "studies.verification",
@@ -202,6 +202,13 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("flankload")
+    if name == "Study":
+        import warnings
+
+        new = "AccuracyStudy, which accuracy returns (study returns a DesignStudy)"
+        words = f"flankload.Study is {new}; the old name ends with 1.0"
+        warnings.warn(words, DeprecationWarning, stacklevel=2)
+        name = "AccuracyStudy"
     if name not in _MODULE_OF_NAME:
         raise AttributeError(f"module 'flankload' has no attribute {name!r}")
     return getattr(import_module(f"flankload.{_MODULE_OF_NAME[name]}"), name)

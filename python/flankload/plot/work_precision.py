@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from flankload.studies.accuracy import Row, Study
+    from flankload.studies.accuracy import AccuracyStudy, Row
 
     Points = list[tuple[float, float]]
 
@@ -51,7 +51,7 @@ TITLES = {
 }
 
 
-def plot_work_precision(study: Study) -> Figure:
+def plot_work_precision(study: AccuracyStudy) -> Figure:
     """A panel per error quantity: a curve per parameter, the Pareto front, tolerances, uncertainty.
 
     The curve of a parameter is its own error over the seconds of a run with the other parameters at
@@ -60,7 +60,7 @@ def plot_work_precision(study: Study) -> Figure:
 
     Parameters
     ----------
-    study : Study
+    study : AccuracyStudy
 
     Returns
     -------
@@ -85,12 +85,12 @@ def plot_work_precision(study: Study) -> Figure:
         return figure
 
 
-def write_work_precision(study: Study, directory: str | Path) -> Path:
+def write_work_precision(study: AccuracyStudy, directory: str | Path) -> Path:
     """Write the plot.
 
     Parameters
     ----------
-    study : Study
+    study : AccuracyStudy
     directory : path
         Created if it does not exist.
 
@@ -103,7 +103,7 @@ def write_work_precision(study: Study, directory: str | Path) -> Path:
     return write_pictures(directory, drawn)[0]
 
 
-def _panel(axes: Axes, study: Study, name: str) -> None:
+def _panel(axes: Axes, study: AccuracyStudy, name: str) -> None:
     axes.set_title(TITLES[name])
     axes.loglog()
     axes.set_ylim(LEAST_SHOWN, 1.0)
@@ -132,7 +132,7 @@ def _panel(axes: Axes, study: Study, name: str) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
-def _ladder(study: Study, parameter: str, name: str) -> tuple[Points, Points]:
+def _ladder(study: AccuracyStudy, parameter: str, name: str) -> tuple[Points, Points]:
     """Even and adaptive steps: seconds with the others at default, error of this parameter."""
     parts: tuple[Points, Points] = ([], [])
     for row in study.steps.get(parameter, ()):
@@ -155,7 +155,7 @@ def _points(axes: Axes, points: Points, **style: Any) -> None:
         axes.plot(seconds, errors, **(look | style))
 
 
-def _legend(study: Study) -> list[Line2D]:
+def _legend(study: AccuracyStudy) -> list[Line2D]:
     groups = {row.group for row in study.rows}
     looks: list[tuple[str, dict[str, Any]]] = [
         (PARAMETER_LABELS[parameter], {"color": colour, "marker": mark, "markersize": 5})

@@ -111,7 +111,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "Robust": fl.robust(scene, {"load.torque_Nm": norm(302, 3)}),
         "Scene": scene,
         "Sensitivity": fl.sensitivity(scene, ["load.torque_Nm"]),
-        "Study": accuracy(scene, ("transmission_error",), 1e-9),
+        "AccuracyStudy": accuracy(scene, ("transmission_error",), 1e-9),
         "Verification": fl.verify(
             wheels,
             run=False,

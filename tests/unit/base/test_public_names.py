@@ -157,11 +157,18 @@ def test_public_objects_are_short() -> None:
         assert len(repr(shown)) < 2500
     assert "teeth = 16" in repr(SCENE)
     assert "float64 array (60,)" in repr(state)
-    for name in ("Plan", "Study", "DesignStudy", "Robust", "Verification", "Sensitivity"):
+    for name in ("Plan", "AccuracyStudy", "DesignStudy", "Robust", "Verification", "Sensitivity"):
         assert getattr(fl, name).__repr__ is Card.__repr__
     for part in (BeltDrive, ChainDrive, CoastContact, FrictionResult, RootStress, ShaftLoads):
         assert part.__repr__ is Card.__repr__
     assert SliceLoads.__repr__ is Card.__repr__
+
+
+def test_the_former_name_of_accuracy_studies_is_accepted_with_a_warning() -> None:
+    """`fl.Study` sounded like what `fl.study` returns."""
+    assert "Study" not in fl.__all__
+    with pytest.warns(DeprecationWarning, match="AccuracyStudy, which accuracy returns"):
+        assert fl.Study is fl.AccuracyStudy
 
 
 def test_import_and_run_load_no_package_for_tables() -> None:

@@ -21,7 +21,7 @@ from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.scene.plane_section import plane_section
 from flankload.scene.steps import STEPS
 from flankload.studies.accuracy import (
-    Study,
+    AccuracyStudy,
     accuracy,
     reference,
     refinements,
@@ -121,7 +121,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def study(short_ladders: None, kept: Path) -> Study:
+def study(short_ladders: None, kept: Path) -> AccuracyStudy:
     return accuracy(small(), QUANTITIES, ENOUGH, resume=kept)
 
 
@@ -381,7 +381,7 @@ def test_fewer_modes_in_three_dimensions_are_those_solved_alone(
     assert max(errors_of(one, alone).values()) <= QUADRATURE
 
 
-def test_run_without_answer_says_why(study: Study) -> None:
+def test_run_without_answer_says_why(study: AccuracyStudy) -> None:
     found = Runs(example("spline")).at(NamedDiscretization("lumped"))
     assert found.values is None
     assert "conform" in (found.failure or "")
@@ -390,7 +390,7 @@ def test_run_without_answer_says_why(study: Study) -> None:
 
 
 # --- the study ------------------------------------------------------------------------------------
-def test_study_holds_all_ladders_levels(study: Study) -> None:
+def test_study_holds_all_ladders_levels(study: AccuracyStudy) -> None:
     groups = {row.group for row in study.rows}
     assert {
         "as it stands",
@@ -409,7 +409,7 @@ def test_study_holds_all_ladders_levels(study: Study) -> None:
     assert "1 %: " in text
 
 
-def test_nodes_of_the_study_are_named_without_modes_and_strips(study: Study) -> None:
+def test_nodes_of_the_study_are_named_without_modes_and_strips(study: AccuracyStudy) -> None:
     nodal = [row for row in study.rows if row.run.discretization.level == "nodes"]
     assert [row.run.discretization.tables().get("accuracy") for row in nodal] == [
         {"flank_element_mm": study.knobs.finest.flank_element_mm},
@@ -435,14 +435,14 @@ def test_nodes_stand_where_flanks_are_open_and_meshed(name: str, can: bool) -> N
     assert can_be_nodal(example(name)) is can
 
 
-def test_finer_elements_and_strips_are_better(study: Study) -> None:
+def test_finer_elements_and_strips_are_better(study: AccuracyStudy) -> None:
     for parameter in ("flank_element_mm", "strips_per_half_width"):
         errors = [row.alone["transmission_error"] for row in study.steps[parameter]]
         assert len(errors) == len(study.knobs.ladders[parameter])
         assert errors == sorted(errors)
 
 
-def test_errors_are_those_of_a_user_who_writes_the_lines(study: Study) -> None:
+def test_errors_are_those_of_a_user_who_writes_the_lines(study: AccuracyStudy) -> None:
     """Not the study's own bookkeeping: the scene is written, read and solved."""
     row = study.cheapest(0.02)
     assert row is not None
@@ -461,7 +461,7 @@ def test_errors_are_those_of_a_user_who_writes_the_lines(study: Study) -> None:
         )
 
 
-def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
+def test_front_descends_and_holds_the_cheapest(study: AccuracyStudy) -> None:
     front = study.front()
     seconds = [row.run.cpu_s for row in front]
     errors = [study.within(row) for row in front]
@@ -481,14 +481,16 @@ def test_front_descends_and_holds_the_cheapest(study: Study) -> None:
 
 # --- three dimensions -----------------------------------------------------------------------------
 @pytest.fixture(scope="module")
-def spatial_study(short_ladders: None) -> Study:
+def spatial_study(short_ladders: None) -> AccuracyStudy:
     with pytest.MonkeyPatch.context() as patch:
         for name, steps in {"modes": (3, 5), "flank_element_mm": (2.0, 1.0)}.items():
             patch.setitem(STEPS, name, replace(STEPS[name], study=steps))
         return accuracy(spatial(), (*QUANTITIES, "face_load_factor"), ENOUGH)
 
 
-def test_study_in_three_dimensions_goes_from_the_plane_to_fine_bodies(spatial_study: Study) -> None:
+def test_study_in_three_dimensions_goes_from_the_plane_to_fine_bodies(
+    spatial_study: AccuracyStudy,
+) -> None:
     study = spatial_study
     assert study.stopped is None
     rungs = {row.group: row for row in study.rows}
@@ -513,7 +515,7 @@ def test_study_in_three_dimensions_goes_from_the_plane_to_fine_bodies(spatial_st
     assert "K_Hbeta" in text
 
 
-def test_rungs_of_a_study_are_runs_that_a_user_can_make(spatial_study: Study) -> None:
+def test_rungs_of_a_study_are_runs_that_a_user_can_make(spatial_study: AccuracyStudy) -> None:
     (coarse,) = (row for row in spatial_study.rows if row.group == "coarse")
     tree = tomllib.loads(coarse.run.discretization.lines())
     found = fl.solve(spatial(**tree))
@@ -534,7 +536,9 @@ def test_rungs_of_a_study_are_runs_that_a_user_can_make(spatial_study: Study) ->
     )
 
 
-def test_study_in_three_dimensions_has_its_files_and_its_picture(spatial_study: Study) -> None:
+def test_study_in_three_dimensions_has_its_files_and_its_picture(
+    spatial_study: AccuracyStudy,
+) -> None:
     head, *lines = spatial_study.to_csv().splitlines()
     assert {"axial_degree", "load_degree_z", "slices"} <= set(head.split(","))
     assert len(lines) == len(spatial_study.rows)
@@ -596,7 +600,7 @@ def test_what_errors_are_measured_against_is_not_named() -> None:
     """The finest run was the cheapest one for 0.01 % on a belt, whose ladder converges slowly."""
     found, ladders = steps_of([100.0, 101.0, 102.5])
     rows = tuple(Row("flank_element_mm", run, found.errors(run)) for run in found._done.values())
-    study = Study(
+    study = AccuracyStudy(
         name="a belt",
         tolerance=0.01,
         measures=("transmission_error", "transmission_error_mean"),
@@ -617,7 +621,7 @@ def test_what_errors_are_measured_against_is_not_named() -> None:
     assert json.loads(study.to_json())["doubts_of_the_limit"]["transmission_error"] == 0.02
 
 
-def test_doubts_of_a_study_are_those_of_its_ladders(study: Study) -> None:
+def test_doubts_of_a_study_are_those_of_its_ladders(study: AccuracyStudy) -> None:
     """Every run is nearer to the limit of a study than the default, with the doubt added."""
     assert set(study.doubts) == set(study.rows[0].errors)
     (base,) = (row for row in study.rows if row.group == "default")
@@ -626,7 +630,7 @@ def test_doubts_of_a_study_are_those_of_its_ladders(study: Study) -> None:
     assert "uncertainty of the limit" in str(study)
 
 
-def test_csv_and_json_hold_every_run(study: Study, tmp_path: Path) -> None:
+def test_csv_and_json_hold_every_run(study: AccuracyStudy, tmp_path: Path) -> None:
     study.to_csv(tmp_path / "a.csv")
     lines = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
     assert len(lines) == len(study.rows)
@@ -641,7 +645,7 @@ def test_csv_and_json_hold_every_run(study: Study, tmp_path: Path) -> None:
     assert tree["cheapest"]["0.01"] == wanted
 
 
-def test_picture_shows_the_front(study: Study) -> None:
+def test_picture_shows_the_front(study: AccuracyStudy) -> None:
     figure = plot_work_precision(study)
     panels = [axes for axes in figure.axes if axes.get_visible()]
     assert len(panels) == len(study.measures)
@@ -682,7 +686,7 @@ def test_what_stands_in_files_is_named() -> None:
 
 # --- resuming, stopping ---------------------------------------------------------------------------
 def test_resumed_study_solves_nothing_again(
-    study: Study, kept: Path, monkeypatch: pytest.MonkeyPatch
+    study: AccuracyStudy, kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(runs, "run_once", _never)
     again = accuracy(small(), QUANTITIES, ENOUGH, resume=kept)
@@ -694,7 +698,7 @@ def _never(*_: object) -> None:
     raise AssertionError("solved again")
 
 
-def test_file_of_another_scene_is_refused(kept: Path, study: Study) -> None:
+def test_file_of_another_scene_is_refused(kept: Path, study: AccuracyStudy) -> None:
     other = fl.Scene.from_dict(tomllib.loads(SCENE))
     assert fingerprint(other) != fingerprint(small())
     with pytest.raises(SceneError, match=r"--resume: expected .* this very scene"):
@@ -744,7 +748,9 @@ def test_interrupted_study_keeps_what_is_done(short_ladders: None, tmp_path: Pat
         accuracy(small(), budget_s=ENOUGH, progress=stop_at(0))
 
 
-def test_spent_budget_leaves_runs_out(short_ladders: None, kept: Path, study: Study) -> None:
+def test_spent_budget_leaves_runs_out(
+    short_ladders: None, kept: Path, study: AccuracyStudy
+) -> None:
     """What is in the file costs nothing; without it the first run is the last."""
     found = accuracy(small(), budget_s=1e-9)
     assert [row.group for row in found.rows] == []

@@ -1,6 +1,6 @@
 """Accuracy study: refinement of all discretization parameters, and the cheapest discretizations."""
 
 from flankload.studies.accuracy.run_study import accuracy
-from flankload.studies.accuracy.study import Row, Study
+from flankload.studies.accuracy.study import AccuracyStudy, Row
 
-__all__ = ["Row", "Study", "accuracy"]
+__all__ = ["AccuracyStudy", "Row", "accuracy"]

@@ -23,7 +23,7 @@ from flankload.studies.accuracy.refinements import (
     refinements_of,
 )
 from flankload.studies.accuracy.runs import Run, Runs
-from flankload.studies.accuracy.study import Row, Study
+from flankload.studies.accuracy.study import AccuracyStudy, Row
 from flankload.studies.accuracy.study_text import notes_of
 from flankload.studies.plan import choose_effects
 
@@ -45,7 +45,7 @@ def accuracy(
     *,
     progress: Progress | None = None,
     resume: str | Path | None = None,
-) -> Study:
+) -> AccuracyStudy:
     """Accuracy study of a scene: errors, seconds and memory for each discretization parameter.
 
     The study refines each parameter with the others at their finest and at their default, and tries
@@ -70,7 +70,7 @@ def accuracy(
 
     Returns
     -------
-    Study
+    AccuracyStudy
         After an interruption (Ctrl-C) it contains the finished runs.
 
     Raises
@@ -198,7 +198,7 @@ class _StudyRuns:
             "nodes", flank_element_mm=apart_mm, count=self.refinements.base.count
         )
 
-    def study(self, stopped: str | None, *, interrupted: bool) -> Study:
+    def study(self, stopped: str | None, *, interrupted: bool) -> AccuracyStudy:
         """Study of the runs so far."""
         reference = Reference(self.runs.done, self.refinements)
         done = self.runs.done
@@ -216,7 +216,7 @@ class _StudyRuns:
             row(discretization, *({group} & steps.keys()))
             for discretization, group in self.groups.items()
         )
-        return Study(
+        return AccuracyStudy(
             name=self.scene.name,
             tolerance=self.scene.accuracy.tolerance,
             measures=tuple(self.measures),

@@ -50,7 +50,7 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Study(Card):
+class AccuracyStudy(Card):
     """Errors and costs of the discretizations of a scene.
 
     Attributes

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flankload.scene import Scene
-    from flankload.studies.accuracy.study import Row, Study
+    from flankload.studies.accuracy.study import AccuracyStudy, Row
 
 #: Names of parameters in text.
 PARAMETER_LABELS = {
@@ -61,12 +61,12 @@ IN_DOUBT = "?"
 DEFAULT_SECONDS = "default"
 
 
-def text_of(study: Study) -> str:
+def text_of(study: AccuracyStudy) -> str:
     """Tables of parameter steps, and contact models; the cheapest discretizations."""
     return "\n".join(_lines(study))
 
 
-def _lines(study: Study) -> Iterator[str]:
+def _lines(study: AccuracyStudy) -> Iterator[str]:
     names = [m for m in HEADS if any(m in row.errors for row in study.rows)]
     yield f"{study.name}: cost of accuracy"
     yield "CPU seconds and memory of a run alone, elements included; errors in %"
@@ -92,7 +92,9 @@ def _lines(study: Study) -> Iterator[str]:
         yield from _cheapest(study, names)
 
 
-def _ladder(study: Study, parameter: str, words: str, names: Sequence[str]) -> Iterator[str]:
+def _ladder(
+    study: AccuracyStudy, parameter: str, words: str, names: Sequence[str]
+) -> Iterator[str]:
     """Errors against the limit of this parameter, the others at their finest; coarse first."""
     steps = study.steps[parameter]
     adaptive = [row for row in steps if row.run.discretization.adaptive is not None]
@@ -111,7 +113,7 @@ def _ladder(study: Study, parameter: str, words: str, names: Sequence[str]) -> I
     yield ""
 
 
-def _orders(study: Study, parameter: str) -> Iterator[str]:
+def _orders(study: AccuracyStudy, parameter: str) -> Iterator[str]:
     limits = study.limits.get(parameter)
     if limits is None:
         return
@@ -136,7 +138,7 @@ def _named(name: str) -> str:
     return HEADS.get(name) or name.replace("stiffness_", "").replace("_", " ")
 
 
-def _others(study: Study, names: Sequence[str]) -> Iterator[str]:
+def _others(study: AccuracyStudy, names: Sequence[str]) -> Iterator[str]:
     for group, words in GROUPS.items():
         rows = [row for row in study.rows if row.group == group and row.run.failure is None]
         if not rows:
@@ -186,7 +188,7 @@ def _percent(error: float | None) -> str:
     return "0" if error == 0 else f"{100 * error:.2g}"
 
 
-def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
+def _cheapest(study: AccuracyStudy, names: Sequence[str]) -> Iterator[str]:
     yield "CPU seconds of the cheapest discretization"
     rows = [["  to", *(HEADS[name] for name in names), "all"]]
     for tolerance in NAMED:
@@ -203,19 +205,19 @@ def _cheapest(study: Study, names: Sequence[str]) -> Iterator[str]:
         yield from (f"    {line}" for line in lines.splitlines())
 
 
-def _seconds(study: Study, tolerance: float, *names: str) -> str:
+def _seconds(study: AccuracyStudy, tolerance: float, *names: str) -> str:
     row = study.cheapest(tolerance, *names)
     if row is not None:
         return f"{row.run.cpu_s:.3f}"
     return IN_DOUBT if _is_in_doubt(study, tolerance, *names) else "none"
 
 
-def _is_in_doubt(study: Study, tolerance: float, *names: str) -> bool:
+def _is_in_doubt(study: AccuracyStudy, tolerance: float, *names: str) -> bool:
     doubt = study.doubt(*names)
     return doubt is not None and doubt > tolerance
 
 
-def _why_none(study: Study, tolerance: float) -> str:
+def _why_none(study: AccuracyStudy, tolerance: float) -> str:
     if not _is_in_doubt(study, tolerance):
         return "not reached by any run"
     worst = max(
