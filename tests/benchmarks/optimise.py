@@ -25,7 +25,6 @@ WANTED = 20.0
 SEARCH = {
     "accuracy.estimate": False,
     "accuracy.tangents": False,
-    "accuracy.unmodified_elements": True,
 }
 RELIEF = {
     "body_1.tip_relief_um": 20.0,

@@ -29,8 +29,8 @@ LOW, HIGH = 73.951, 84.8
 #: A key is a gap at the least gap of the flank without it, a grid the modified flank: half of this
 #: difference is the place of contact in the tip relief, which moves by the metal removed.
 FIRST_ORDER = 4e-3
-#: The elastic body is that without the grid: a tooth relieved by 20 um is softer by this part.
-RELIEVED_TOOTH = 1e-3
+#: Forces have the direction of the flank without the grid: a relief of 20 um turns them a little.
+DIRECTION = 1e-3
 NO_RELIEF = {
     "body_1__tip_relief_um": None,
     "body_1__tip_relief_start_diameter_mm": None,
@@ -116,7 +116,7 @@ def test_a_topography_alike_over_the_width_is_the_plane_profile(
 ) -> None:
     """Place of least gap and curvature are those of the modified flank."""
     grid = write_grid(tmp_path / "profile.csv", removed_from_plane_flank(**keys), rows=80)
-    for rigid, tolerance in ((True, 1e-4), (False, RELIEVED_TOOTH)):
+    for rigid, tolerance in ((True, 1e-4), (False, DIRECTION)):
         by_key = solve(**{**NO_RELIEF, **keys}, body_1__rigid=rigid)
         found = solve(**NO_RELIEF, body_1__topography_file=grid, body_1__rigid=rigid)
         assert deviation(found.rotation_rad, by_key.rotation_rad) < tolerance

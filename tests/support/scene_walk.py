@@ -14,6 +14,9 @@ from flankload.scene.table import Table
 #: Keys that need others beside them, or whose values are lists, by the last part of their path.
 #: {} is the path of the table, {z} for the number of teeth.
 TOGETHER: dict[str, tuple[dict[str, Any], ...]] = {
+    # both gears have the same base pitch
+    "module_mm": ({"body_1.module_mm": 4.51, "body_2.module_mm": 4.51},),
+    "pressure_angle_deg": ({"body_1.pressure_angle_deg": 20.1, "body_2.pressure_angle_deg": 20.1},),
     "tip_relief_um": ({"{}.tip_relief_um": 7.0}, {"{}.tip_relief_um": 7.0, "{}.START": 0.4}),
     **dict.fromkeys(
         ("addendum_factor", "tip_alteration_factor"),

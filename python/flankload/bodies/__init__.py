@@ -110,7 +110,6 @@ def _along_axis(
         assert body.involute is not None
         radius_mm = body.involute.reference_radius_mm
     surface = flank_surface(spec, key, body, folder=folder, width_mm=ends[1] - ends[0])
-    notes = () if surface is None else surface.notes
-    return replace(
-        body, axial=axial_shape(spec, ends, radius_mm, surface), notes=(*body.notes, *notes)
-    )
+    shape, notes = axial_shape(spec, ends, radius_mm, surface), surface.notes if surface else ()
+    elements = None if body.elements is None else replace(body.elements, axial=shape)
+    return replace(body, axial=shape, elements=elements, notes=(*body.notes, *notes))

@@ -289,7 +289,8 @@ class Body(BodySites):
     axial : AxialShape or None
         Width, twist and lead modifications of a three-dimensional body; None in a plane scene.
     elements : Body or None
-        The body without flank modifications, if the elements (`mesh`) are to follow that one.
+        The body without flank modifications, whose flank the elements (`mesh`) follow; None if this
+        body has none, or if the elements follow its own flank.
     """
 
     kind: str
@@ -308,9 +309,14 @@ class Body(BodySites):
     axial: AxialShape | None = None
     elements: Body | None = None
 
+    @property
+    def unmodified(self) -> Body:
+        """The body whose flank the elements follow."""
+        return self if self.elements is None else self.elements
+
     def for_elements(self) -> Body:
         """The body for the elasticity: without the fields of `BodySites` and lead modifications."""
-        body = self if self.elements is None else self.elements
+        body = self.unmodified
         none = BodySites()
         without = {entry.name: getattr(none, entry.name) for entry in fields(BodySites)}
         axial = None if body.axial is None else body.axial.without_lead()

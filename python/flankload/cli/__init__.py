@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
+import warnings
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -38,7 +39,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = parser().parse_args(argv, argparse.Namespace(line=line))
     command: Callable[[argparse.Namespace], None] = arguments.command
     try:
-        command(arguments)
+        with warnings.catch_warnings():
+            warnings.showwarning = _show_warning
+            command(arguments)
         if sys.stdout is not None:  # None if the caller closed it
             sys.stdout.flush()
     except SceneError as error:
@@ -58,6 +61,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         return _fail(stop if stop.args else "interrupted", INTERRUPTED)
     return SOLVED
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """Print a warning in one line, such as that of a key of earlier versions."""
+    say(f"flankload: warning: {one_line(message)}")
 
 
 def _fail(message: object, code: int) -> int:

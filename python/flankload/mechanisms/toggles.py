@@ -16,7 +16,7 @@ from flankload.scene.plane_section import in_three_dimensions, plane_section
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from flankload.scene import BodySpec, Scene
+    from flankload.scene import Scene
 
 #: Effects that keys of [effects] decide on; power loss comes with friction and changes no state.
 RECORDS = {row.name: row for row in EFFECTS if row.on and row.name != "power_loss"}
@@ -43,8 +43,6 @@ REMOVED: dict[str, dict[str, Any]] = {
     "misalignment": dict.fromkeys(MISALIGNMENTS, 0.0),
     "shafts": {"shaft": None},
 }
-#: Keys that modify a flank by micrometres.
-OF_MICROMETRES = ("tip_relief_um", "root_relief_um", "profile_crowning_um", *RELIEF_PLACES)
 
 
 @dataclass(frozen=True)
@@ -133,12 +131,6 @@ def without_keys(scene: Scene, *keys: str) -> Scene:
 def with_rigid(scene: Scene, key: str, *, rigid: bool) -> Scene:
     """A scene with a rigid or an elastic body."""
     return replace(scene, **{key: structs.replace(getattr(scene, key), rigid=rigid)})
-
-
-def without_modifications(body: BodySpec) -> BodySpec:
-    """The table of a body without tip relief and profile crowning."""
-    plain: BodySpec = _without(body, dict.fromkeys(OF_MICROMETRES))
-    return plain
 
 
 def _without_tables(scene: Scene, keys: dict[str, Any]) -> Scene:

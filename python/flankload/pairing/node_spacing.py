@@ -92,10 +92,10 @@ def spacing_for_loads(
 ) -> float | None:
     """Distance of nodes for nodal forces, mm; None without torque.
 
-    A fifth of the Hertz half-width with the whole of the largest torque on one flank; for
-    conforming flanks a fraction of their length.
+    A fifth of the Hertz half-width with the whole of the largest torque on one unmodified flank;
+    for conforming flanks a fraction of their length.
     """
-    torque = max(torques_Nmm)
+    torque, bodies = max(torques_Nmm), (bodies[0].unmodified, bodies[1].unmodified)
     if torque <= 0.0 or all(body.rigid for body in bodies):
         return None
     contact = _hertz_contact(bodies, torque, face_width_mm)

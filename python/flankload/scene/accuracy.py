@@ -33,13 +33,6 @@ class Accuracy(Table, frozen=True, kw_only=True):
             "sweeps, and 0.1 to 0.3 % smaller"
         ),
     ] = True
-    unmodified_elements: Annotated[
-        bool,
-        about(
-            "true: the finite elements follow the flanks without tip relief and profile crowning, "
-            "so that these do not change the compliance"
-        ),
-    ] = False
     flank_element_mm: Annotated[
         Length | None, about("length of the finite elements along the flank", "mm")
     ] = None

@@ -37,6 +37,7 @@ from flankload.scene.drive import check_drive
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.effects.rules import check_effects
 from flankload.scene.form import read_table
+from flankload.scene.former_keys import without_former_keys
 from flankload.scene.gear import Gear, Ring
 from flankload.scene.mates import check_base_pitches
 from flankload.scene.mesh import ComplianceBody, MeshBody
@@ -336,6 +337,7 @@ class Scene(Card):
         """
         require_path("file", file)
         path = Path(file) if file is not None else None
+        d = without_former_keys(d, path)
         try:
             asked = read_table(SceneFile, with_catalogue(d), "")
             asked = with_common_width(with_tip_diameters(asked))

@@ -29,7 +29,7 @@ def coarse(scene: Scene, parts: Parts | None = None) -> Scene:
     """The scene with the coarsest step of each parameter, at few positions.
 
     A parameter that the scene has at a coarser value keeps it, as does one that files determine.
-    Reliefs do not move the nodes of the elements. Bodies from files are reused from `parts`.
+    Bodies from files are reused from `parts`.
     """
     wanted = parameters_of(scene, parts)
     values: dict[str, Any] = {
@@ -42,11 +42,7 @@ def coarse(scene: Scene, parts: Parts | None = None) -> Scene:
         values = {} if spacing is None else {ELEMENTS: NODES_APART * spacing}
     level = "slices" if effects_of(scene).three_dimensions else "pairs"
     scene = with_discretization(scene, NamedDiscretization(level, **values))
-    return replace(
-        scene,
-        positions=_few(scene.positions),
-        accuracy=structs.replace(scene.accuracy, unmodified_elements=not scene.is_drive),
-    )
+    return replace(scene, positions=_few(scene.positions))
 
 
 def _coarser(name: str, value: float, element_mm: float | None) -> float:

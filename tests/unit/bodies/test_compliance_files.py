@@ -27,6 +27,7 @@ from flankload.elasticity.near_field import mode_norms, mode_values, projected_l
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
+from flankload.studies.verification.deck_model import with_modified_elements
 from tests.support.compliance_scenes import (
     FROM_FILE_1,
     FROM_FILE_2,
@@ -185,7 +186,8 @@ def test_ring_from_nodes(tmp_path: Path) -> None:
     tables = internal_tables()
     expected = solved(**tables)
     accuracy = {"estimate": False, "flank_element_mm": 0.1 * tables["body_1"]["module_mm"]}
-    pair = build_bodies(scene_of(**{**tables, "accuracy": accuracy}))
+    scene = scene_of(**{**tables, "accuracy": accuracy})
+    pair = with_modified_elements(scene)  # the file has the flank in contact
     near = np.array([0, 1])
     for body, turn, name, side in (
         (pair.body_1, pair.turn_1, "body_1.npz", "outwards"),

@@ -63,6 +63,20 @@ def test_mesh_with_its_profile_gives_the_result_of_the_parameters(parametric: fl
     )
 
 
+def test_mesh_of_unmodified_flanks_takes_a_relief_from_its_profile() -> None:
+    """The relief is above the distance at which nodes are refused; a scan solves no elements."""
+    relief = {"tip_relief_um": 60.0, "tip_relief_start_diameter_mm": 79.0}
+    few = {"positions": {"count": 3}}
+    gear, mesh = example("external_gear"), example("external_gear_mesh_profile")
+    gear = gear.replace(few | {f"body_1.{key}": value for key, value in relief.items()})
+    mesh = mesh.replace(few | {f"body_1.profile.{key}": value for key, value in relief.items()})
+    prepared = fl.prepare(mesh.replace({"body_1.profile.tip_relief_um": 40.0}))
+    found, expected = prepared.solve({"body_1.profile.tip_relief_um": 60.0}), fl.solve(gear)
+    np.testing.assert_allclose(found.rotation_rad, expected.rotation_rad, rtol=1e-9, atol=0)
+    assert found.cost["fe_factorisations"] == 0
+    assert any("um of it without its modifications" in warning for warning in found.warnings)
+
+
 def test_curve_through_the_nodes_is_near_and_says_how_near(parametric: fl.Result) -> None:
     found = solve(example("external_gear_mesh"))
     np.testing.assert_allclose(found.rotation_rad, parametric.rotation_rad, rtol=3e-3, atol=0)

@@ -18,17 +18,15 @@ from flankload.elasticity.job_log import JobCost
 from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.reuse import MOST_PARTS, Parts, made_once
+from flankload.scene.unmodified import UNMODIFIED, unmodified
+from flankload.studies.verification import deck_model
 from tests.support.gear_scenes import SCENE, example
 from tests.support.mesh_files import COARSE_PINION, COARSE_WHEEL
 from tests.support.paths import SCENES
 from tests.support.scene_walk import BESIDE, other_values
 
-#: Few positions, coarse elements, which do not follow modifications, and thin rims.
-QUICK = {
-    "accuracy.estimate": False,
-    "accuracy.unmodified_elements": True,
-    "positions": {"count": 2},
-}
+#: Few positions, coarse elements and thin rims.
+QUICK = {"accuracy.estimate": False, "positions": {"count": 2}}
 #: Few cells, no tangents.
 COARSE = {
     "accuracy.tangents": False,
@@ -91,9 +89,11 @@ OF_BODY = (
         "reference_radius_mm",
     ),
 )
+#: Keys of the base pitch, which both bodies share.
+OF_PITCH = ("module_mm", "pressure_angle_deg")
 OF_BOTH = (
     *("accuracy.plane", "accuracy.flank_element_mm", "accuracy.modes", "accuracy.estimate"),
-    *("accuracy.axial_degree", "accuracy.load_degree_z", "accuracy.unmodified_elements"),
+    *("accuracy.axial_degree", "accuracy.load_degree_z"),
     *("effects.dimension", "effects.friction_coefficient"),
     *("effects.near_field", "effects.influence", "effects.root_stress", "effects.body"),
     *("effects.segment_teeth", "effects.support_expansion_per_K", "effects.speed_rpm"),
@@ -172,9 +172,12 @@ def adds_a_dimension(scene: fl.Scene, path: str) -> bool:
 
 
 def expected_elements(scene: fl.Scene, path: str) -> set[str]:
-    """Bodies whose elements a key may reach."""
+    """Bodies whose elements a key may reach: the first modification adds tangential loads."""
     table, _, key = path.rpartition(".")
-    if path in OF_BOTH or adds_a_dimension(scene, path):
+    body = getattr(scene, path[:6], None)
+    if key in UNMODIFIED and body is not None and unmodified(body) == body:
+        return {f"body {path[5]}"}
+    if path in OF_BOTH or key in OF_PITCH or adds_a_dimension(scene, path):
         return {"body 1", "body 2"}
     if table.startswith("body_") and (key in OF_BODY or "file" in key or "_set" in key):
         return {f"body {table[5]}"}
@@ -236,13 +239,11 @@ def test_belts_and_chains_are_solved_anew(name: str) -> None:
 RELIEF = {"body_1.tip_relief_um": 20.0, "body_1.tip_relief_start_diameter_mm": 80.0}
 
 
-def test_elements_follow_the_modified_flank_unless_the_scene_says_otherwise() -> None:
-    scene = base("external_gear").replace(RELIEF)
-    for unmodified, solved in ((True, []), (False, ["body 1"])):
-        one = scene.replace({"accuracy.unmodified_elements": unmodified})
-        found = fl.prepare(one).solve({"body_1.tip_relief_um": 25})
-        assert elements(found) == solved
-        assert bits(found) == bits(fl.solve(one.replace({"body_1.tip_relief_um": 25})))
+def with_modified_elements(scene: fl.Scene, monkeypatch: pytest.MonkeyPatch) -> fl.Result:
+    """Result with elements on the modified flanks, as in decks for other programs."""
+    with monkeypatch.context() as changed:
+        changed.setattr("flankload.mechanisms.flank_pair.assembly.unmodified", lambda table: table)
+        return fl.solve(scene)
 
 
 @pytest.mark.parametrize(
@@ -257,26 +258,50 @@ def test_elements_follow_the_modified_flank_unless_the_scene_says_otherwise() ->
         {"effects.dimension": 3, "accuracy.flank_element_mm": 2.0, **COARSE_3D},
     ],
 )
-def test_unmodified_elements_change_little(more: dict[str, Any]) -> None:
+def test_elements_on_unmodified_flanks_change_little(
+    more: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     scene = fl.Scene.from_dict(example("external_gear")).replace(
         {**RELIEF, **more, "accuracy.estimate": False, "positions": {"count": 4}}
     )
-    other = scene.replace({"accuracy.unmodified_elements": True})
-    one, two = (build_bodies(s).body_1 for s in (scene, other))
+    one, two = (of(scene).body_1 for of in (build_bodies, deck_model.with_modified_elements))
     assert bits_of_curve(one) == bits_of_curve(two)  # the flank in contact has its relief
-    found, expected = fl.solve(other), fl.solve(scene)
+    found, expected = fl.solve(scene), with_modified_elements(scene, monkeypatch)
     apart = np.abs(found.transmission_error_um / expected.transmission_error_um - 1.0).max()
-    assert 0.0 < apart < 5e-3
+    assert 0.0 < apart < 1.5e-3
 
 
 def bits_of_curve(body: Body) -> bytes:
     return digest_of((body.curve, body.mode_range_mm, body.outline))
 
 
-def test_without_modifications_unmodified_elements_change_nothing() -> None:
+def test_a_scan_of_modifications_solves_elements_once() -> None:
+    scene = base("external_gear").replace({**RELIEF, "accuracy.modes": 10})
+    prepared = fl.prepare(scene)
+    for changes in (
+        {"body_1.tip_relief_um": 0.0},
+        {"body_1.tip_relief_um": 25.0, "body_1.tip_relief_shape": "parabolic"},
+        {"body_1.profile_crowning_um": 10.0},
+    ):
+        assert elements(prepared.solve(changes)) == []
+
+
+def test_modes_of_any_number_have_the_elements_of_the_unmodified_flank() -> None:
+    """The number of modes determines the elements: it was that of the modified flank's length."""
+    scene = base("external_gear").replace({**RELIEF, "accuracy.modes": 10})
+    one, two = (
+        build_bodies(scene.replace({"body_1.tip_relief_um": um})).body_1 for um in (0.0, 400.0)
+    )
+    assert np.array_equal(one.mesh.nodes, two.mesh.nodes)
+
+
+def test_the_former_key_of_elements_has_no_effect_but_a_warning() -> None:
     scene = base("external_gear")
-    plain = scene.replace({"accuracy.unmodified_elements": None})
-    assert bits(fl.solve(scene)) == bits(fl.solve(plain))
+    with pytest.warns(FutureWarning, match=r"gear\.toml: accuracy\.unmodified_elements no longer"):
+        same = scene.replace({"accuracy.unmodified_elements": False})
+    assert same == scene
+    with pytest.raises(fl.SceneError, match=r"accuracy\.unmodified_elements: expected a known"):
+        scene.replace({"accuracy.unmodified_elements": "yes"})
 
 
 def test_tangents_are_left_out_where_they_are_not_wanted() -> None:

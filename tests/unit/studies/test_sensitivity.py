@@ -22,7 +22,6 @@ EXACT, ROUNDING = 1e-6, 1e-12
 QUICK = {
     "accuracy.estimate": False,
     "accuracy.tangents": False,
-    "accuracy.unmodified_elements": True,
     "positions": {"count": 6},
 }
 RELIEF = {

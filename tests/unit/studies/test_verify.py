@@ -577,10 +577,20 @@ def test_coarse_deck_gives_rotation_and_loads() -> None:
     assert json.loads(found.to_json())["calculix"]["iterations"] > 1
 
 
-def test_a_deck_has_the_modified_flanks_in_any_case() -> None:
+def test_a_deck_has_the_modified_flanks() -> None:
     relief = {"body_1.tip_relief_um": 30.0, "body_1.tip_relief_start_diameter_mm": 80.0}
     scene = fl.read_scene(SCENES / "external_gear.toml").replace(relief)
-    other = scene.replace({"accuracy.unmodified_elements": True})
-    one, two = (deck_model.coarse_bodies(each).body_1.mesh for each in (scene, other))
-    assert np.array_equal(one.nodes, two.nodes)
-    assert not np.array_equal(two.nodes, build_bodies(other).body_1.mesh.nodes)
+    bodies = [pair.body_1 for pair in (deck_model.coarse_bodies(scene), build_bodies(scene))]
+    places = [body.mesh.nodes[body.mesh.flank_edges.ravel()] for body in bodies]
+    in_deck, in_run = (bodies[0].curve.arc_length_of(points)[1].max() for points in places)
+    assert in_deck < 1e-6
+    assert in_run == pytest.approx(0.03, rel=0.1)
+
+
+def test_a_mesh_without_the_modifications_of_its_profile_has_no_deck() -> None:
+    relief = {"tip_relief_um": 60.0, "tip_relief_start_diameter_mm": 79.0}
+    scene = fl.read_scene(SCENES / "external_gear_mesh_profile.toml").replace(
+        {f"body_1.profile.{key}": value for key, value in relief.items()}
+    )
+    with pytest.raises(fl.SceneError, match=r"body_1\.profile: expected a profile on which"):
+        deck_model.coarse_bodies(scene)

@@ -7,6 +7,7 @@ The flank curve is the exact profile, rotated to fit the nodes, or a smooth curv
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -64,7 +65,7 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
     else:
         mesh, outline, turns, more = whole_of(source, flanks, fixed, fit)
         notes = (*notes, *more)
-    return Body(
+    body = Body(
         kind="mesh",
         curve=fit.curve,
         teeth=spec.number_of_teeth,
@@ -86,6 +87,11 @@ def build_mesh_body(spec: MeshBody, key: str, *, folder: Path) -> Body:
         flank_nodes=fit.nodes,
         mirrored=mirrored,
     )
+    if fit.modified is None:
+        return body
+    curve, span = fit.modified.curve, fit.modified.mode_range_mm
+    elements = None if body.rigid else body
+    return replace(body, curve=curve, mode_range_mm=span, elements=elements)
 
 
 def _named_flanks(source: MeshSource) -> dict[str, Numbers]:

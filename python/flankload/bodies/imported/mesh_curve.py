@@ -16,6 +16,7 @@ from flankload.bodies.imported.mesh_source import in_order, middles_are_straight
 from flankload.bodies.profile.gear_profile import gear_profile
 from flankload.flank import FlankCurve, curve_through_nodes, nodes_deviation
 from flankload.scene.refusal import refuse
+from flankload.scene.unmodified import unmodified
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -32,6 +33,14 @@ PROFILE_TOLERANCE, TIP_TOLERANCE = 0.005, 0.02
 SNAP_TOLERANCE = 1e-7
 #: Largest excess of edges beyond the profile's flank, over its length.
 END_TOLERANCE = 1e-4
+
+
+@dataclass(frozen=True)
+class ModifiedFlank:
+    """A modified flank and the arc lengths on it between which the nodes have pressure modes."""
+
+    curve: FlankCurve
+    mode_range_mm: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -53,6 +62,8 @@ class FlankFit:
         its tip rounding.
     s : (2 m + 1,) array
         Arc lengths of their nodes in order.
+    modified : ModifiedFlank or None
+        The flank in contact, if the nodes lie on the profile without its modifications.
     """
 
     curve: FlankCurve
@@ -63,6 +74,7 @@ class FlankFit:
     notes: tuple[str, ...]
     edges: Numbers = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
     s: Floats = field(default_factory=lambda: np.empty(0))
+    modified: ModifiedFlank | None = None
 
 
 def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
@@ -85,10 +97,16 @@ def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
     else:
         fit = _on_profile(source, spec.profile, on_profile)
     edges, s = edges_between(source, key, fit.curve, fit.mode_range_mm, edges)
-    low, high = fit.mode_range_mm
-    snap = SNAP_TOLERANCE * (high - low)
-    low = low if abs(s[0] - low) < snap else float(s[0])
-    high = high if abs(s[-1] - high) < snap else float(s[-1])
+    ends = fit.mode_range_mm
+    snap = SNAP_TOLERANCE * (ends[1] - ends[0])
+    low = ends[0] if abs(s[0] - ends[0]) < snap else float(s[0])
+    high = ends[1] if abs(s[-1] - ends[1]) < snap else float(s[-1])
+    modified = fit.modified
+    if modified is not None:
+        first, last = modified.mode_range_mm
+        scale = (last - first) / (ends[1] - ends[0])
+        span = (first + scale * (low - ends[0]), last + scale * (high - ends[1]))
+        modified = replace(modified, mode_range_mm=span)
     notes = fit.notes
     if straight and not source.body.linear:
         note = (
@@ -96,7 +114,7 @@ def fit_flank(source: MeshSource, edges: Numbers) -> FlankFit:
             "corner nodes alone"
         )
         notes = (note, *notes)
-    return replace(fit, edges=edges, s=s, mode_range_mm=(low, high), notes=notes)
+    return replace(fit, edges=edges, s=s, mode_range_mm=(low, high), notes=notes, modified=modified)
 
 
 def edges_between(
@@ -151,26 +169,36 @@ def _through_nodes(source: MeshSource, key: str, points: Floats) -> FlankFit:
 
 
 def _on_profile(source: MeshSource, spec: Profile, points: Floats) -> FlankFit:
-    """The exact profile, rotated to fit the flank's nodes (least squares)."""
-    profile = gear_profile(spec, f"{source.key}.profile", teeth=source.spec.number_of_teeth)
+    """The exact profile, rotated to fit the flank's nodes (least squares).
+
+    The nodes lie on the modified or on the unmodified flank.
+    """
+    key, teeth = f"{source.key}.profile", source.spec.number_of_teeth
+    modified = gear_profile(spec, key, teeth=teeth)
     tip = float(np.hypot(*source.body.nodes.T).max())
-    if abs(tip - profile.involute.tip_radius_mm) > TIP_TOLERANCE * spec.module_mm:
+    if abs(tip - modified.involute.tip_radius_mm) > TIP_TOLERANCE * spec.module_mm:
         expected = f"the tip circle of the mesh, {2 * tip:.4f} mm"
-        refuse(f"{source.key}.profile.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
+        refuse(f"{key}.tip_diameter_mm", expected, f"{spec.tip_diameter_mm:g}")
     radii = np.hypot(points[:, 0], points[:, 1])
-    inside = np.clip(radii, profile.involute.form_radius_mm, profile.involute.tip_radius_mm)
+    inside = np.clip(radii, modified.involute.form_radius_mm, modified.involute.tip_radius_mm)
     angles = np.arctan2(points[:, 1], points[:, 0])
-    start = np.array([profile.involute.polar_angle_at(radius) for radius in inside])
-    apart = np.angle(np.exp(1j * (angles - start)).sum())
-    turn, s, worst = fitted_turn(profile.curve, points, float(apart))
+    start = np.array([modified.involute.polar_angle_at(radius) for radius in inside])
+    apart = float(np.angle(np.exp(1j * (angles - start)).sum()))
+    profiles, plain = [modified], unmodified(spec)
+    if plain != spec:
+        profiles.append(gear_profile(plain, key, teeth=teeth))
+    fits = [fitted_turn(profile.curve, points, apart) for profile in profiles]
+    best = min(range(len(fits)), key=lambda k: fits[k][2])
+    turn, s, worst = fits[best]
     if worst > PROFILE_TOLERANCE * spec.module_mm:
         expected = "a profile on which the nodes of the flank lie to "
         expected += f"{PROFILE_TOLERANCE * spec.module_mm:.3g} mm"
-        refuse(f"{source.key}.profile", expected, f"nodes up to {worst:.3g} mm beside it")
-    profile = profile.rotated(turn)
+        refuse(key, expected, f"nodes up to {worst:.3g} mm beside it")
+    profile, contact = profiles[best].rotated(turn), modified.rotated(turn)
+    without = " without its modifications" if best else ""
     note = (
         f"the given profile is turned by {np.degrees(turn):.6f} deg to fit {len(s)} flank nodes, "
-        f"which lie within {1000 * worst:.2g} um of it"
+        f"which lie within {1000 * worst:.2g} um of it{without}"
     )
     return FlankFit(
         curve=profile.curve,
@@ -179,6 +207,7 @@ def _on_profile(source: MeshSource, spec: Profile, points: Floats) -> FlankFit:
         misfit_mm=worst,
         nodes=None,
         notes=(note,),
+        modified=ModifiedFlank(contact.curve, contact.mode_range_mm) if best else None,
     )
 
 

@@ -48,7 +48,10 @@ class BodyCompliance:
         Teeth with a flank; empty if smooth depends on the difference of tooth numbers only.
     tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
         Normal displacements under q modes of tangential load towards increasing arc length, without
-        the jump; mm²/N.
+        the near field; mm²/N.
+    along_near : (p, p) array; None without friction and for nodes
+        That near field on the loaded flank as mode coefficients: jump, and images behind free
+        corners.
     along : as tangential, (…, q, q); None without friction or with small forces
         Tangential displacements under the same loads, without the logarithm of strength
         `near.kernel`.
@@ -67,6 +70,7 @@ class BodyCompliance:
     modes: FlankModes
     flanks: tuple[int, ...] = ()
     tangential: Floats | None = None
+    along_near: Floats | None = None
     along: Floats | None = None
     turned: Floats | None = None
     coast: CoastCompliance | None = None
@@ -86,9 +90,14 @@ class BodyCompliance:
         return 1 if self.modes.axial is None else self.modes.axial.count
 
     @property
+    def modes_along(self) -> int:
+        """Number of pressure modes along the arc length, with those of the tip."""
+        return self.smooth.shape[1] // self.modes_per_place
+
+    @property
     def flank_modes(self) -> int:
         """Number of pressure modes along the arc length, without those of the tip."""
-        n = self.smooth.shape[1] // self.modes_per_place
+        n = self.modes_along
         return n if self.modes.tip is None else n - tip_modes(n)
 
     @property
@@ -96,6 +105,12 @@ class BodyCompliance:
         """Indices in `smooth` of the responses of flanks to their own loads."""
         f = len(self.flanks)
         return np.arange(f) * (f + 1) if f else np.zeros(1, dtype=np.int64)
+
+    @property
+    def exchanged(self) -> Numbers:
+        """Indices in `smooth` of the responses with displaced and loaded flank exchanged."""
+        f, z = len(self.flanks), len(self.smooth)
+        return np.arange(z).reshape(f, f).T.ravel() if f else -np.arange(z) % z
 
     def block_of(self, displaced: Numbers, loaded: Numbers, teeth: int) -> Numbers:
         """Indices in `smooth` of responses by tooth numbers (arrays that broadcast), from 0.
@@ -262,14 +277,21 @@ class BodyCompliance:
         )
         return replace(self, modes=modes)
 
-    def on_flank(self, body: Body) -> BodyCompliance:
-        """The compliance with the arc lengths of a body with a modified flank."""
-        modes, (low, high), span = self.modes, self.modes.range_mm, body.mode_range_mm
-        nodes = modes.nodes
-        if nodes is not None:
-            nodes = span[0] + (nodes - low) * ((span[1] - span[0]) / (high - low))
-        tip = None if modes.tip is None else body.tip
-        return replace(self, modes=replace(modes, range_mm=span, tip=tip, nodes=nodes))
+    def without_friction(self) -> BodyCompliance:
+        """The compliance under normal loads alone, in arrays of its own."""
+        if self.tangential is None:
+            return self
+        p, coast, root, error = self.smooth.shape[1], self.coast, self.root, self.fe_error
+        return replace(
+            self,
+            smooth=self.smooth.copy(),
+            near=replace(self.near, jump=0.0),
+            tangential=None,
+            along=None,
+            coast=None if coast is None else CoastCompliance(coast.normal.copy()),
+            root=None if root is None else replace(root, response=root.response[..., :p].copy()),
+            fe_error=None if error is None else error[..., :p].copy(),
+        )
 
     def without_coupling(self) -> BodyCompliance:
         """The compliance without the response of other teeth to a load on a tooth."""

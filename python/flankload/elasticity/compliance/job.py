@@ -241,6 +241,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
         ),
         flanks=found.flanks,
         tangential=response[:, :n_modes, n_modes:] if friction else None,
+        along_near=loads.along_near() if friction else None,
         along=response[:, n_modes:, n_modes:] if options.along and friction else None,
         turned=turned,
         coast=coast,

@@ -91,15 +91,28 @@ class ModeLoads:
         near = projected_near_field(n, high - low, wedge=field.wedge, closed=closed, tip=behind)
         response[own, :n, :n] += field.kernel * near
         if response.shape[1] > n:
-            sign = field.jump * projected_sign(n, high - low, tip=behind)
+            along = self._along_near()
+            response[own, :n, n:] -= along
+            response[own, n:, :n] -= along.T
             near = projected_near_field(n, high - low, closed=closed, tip=behind)
-            if any(field.wedge_along):
-                image = projected_near_field(n, high - low, wedge=field.wedge_along, tip=behind)
-                sign = sign + field.kernel * (image - near)
-            response[own, :n, n:] += sign
-            response[own, n:, :n] += sign.T
             response[own, n:, n:] += field.kernel * near
         response[:] = self.between(response)
+
+    def along_near(self) -> Floats:
+        """Near field of tangential loads for normal displacements (p, p), as mode coefficients."""
+        return self.between(self._along_near()[None])[0]
+
+    def _along_near(self) -> Floats:
+        """As `along_near`, moments: jump, and images behind free corners."""
+        low, high = self.body.mode_range_mm
+        n, field, length = self.count, self.near_field, high - low
+        tip = None if self.tip is None else self.tip.behind(low)
+        found = -field.jump * projected_sign(n, length, tip=tip)
+        if any(field.wedge_along):
+            near = projected_near_field(n, length, tip=tip)
+            image = projected_near_field(n, length, wedge=field.wedge_along, tip=tip)
+            found = found - field.kernel * (image - near)
+        return np.asarray(found)
 
     def between(self, moments: Floats) -> Floats:
         """Response (k, r, p) as a map between mode coefficients, from that between moments."""
@@ -146,6 +159,9 @@ class NodeLoads:
     ) -> Floats:
         """Nodal forces (2 N, n) of the normal or tangential unit forces on a flank."""
         return nodal_unit_loads(flank, self.nodes, along=along)
+
+    def along_near(self) -> None:
+        """None: the response includes the near field."""
 
     def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
         """Count the unit forces; the response includes the near field and is unchanged."""

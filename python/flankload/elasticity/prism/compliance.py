@@ -120,7 +120,7 @@ def _compliances(
     """Compliances from responses (z, p, p) of one body, without roots and error estimates."""
     near, columns = _near_field(body, surface, friction=friction), responses[0].shape[1]
     p = columns // 2 if friction else columns
-    coefficients = _smooth_coefficients(responses, surface, near, p, prism.load_degree)
+    coefficients, along_near = _smooth_coefficients(responses, surface, near, p, prism.load_degree)
     unknowns = prism_unknowns(body, prism.degree)
     log.account.count(fe_unknowns=unknowns, fe_solutions=columns)
     log.count_loads(columns, friction=friction)
@@ -134,6 +134,7 @@ def _compliances(
             near=near,
             modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
             tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
+            along_near=along_near,
             job=log.cost(asymmetry, unknowns),
         )
         for response, asymmetry in coefficients
@@ -152,10 +153,10 @@ def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearFie
 
 def _smooth_coefficients(
     responses: list[Floats], surface: FlankSurface, near: NearField, p: int, degree_z: int
-) -> list[tuple[Floats, float]]:
+) -> tuple[list[tuple[Floats, float]], Floats | None]:
     """Readings (z, r, r), which change, as mode coefficients without the near field; asymmetries.
 
-    The p columns of normal loads are followed, with friction, by as many along the profile.
+    Also the near field of loads along the profile as mode coefficients (p, p), with friction. The p columns of normal loads are followed, with friction, by as many along the profile.
     """
     n_modes, count = p // (degree_z + 1), responses[0].shape[1]
     potential = projected_potential(surface, n_modes, degree_z)
@@ -169,9 +170,12 @@ def _smooth_coefficients(
             response[0, :p, p:] -= tangential
             response[0, p:, :p] -= tangential.T
     inverse = _to_coefficients(surface, n_modes, degree_z, friction=count > p)
+    along_near = inverse[:p, :p] @ tangential @ inverse[:p, :p] if count > p else None
     teeth = len(responses[0])
     across = -np.arange(teeth) % teeth
-    return [made_symmetric(inverse @ response @ inverse, across) for response in responses]
+    return [
+        made_symmetric(inverse @ response @ inverse, across) for response in responses
+    ], along_near
 
 
 def _to_coefficients(

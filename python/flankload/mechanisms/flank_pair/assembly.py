@@ -23,7 +23,6 @@ from flankload.mechanisms.flank_pair.mistakes import explained
 from flankload.mechanisms.flank_pair.positions import positions_of
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.reuse import made_once
-from flankload.mechanisms.toggles import without_modifications
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.common_height import common_height
 from flankload.pairing.expansion import body_load_notes, body_loads_of
@@ -42,6 +41,7 @@ from flankload.scene.discretization import (
 )
 from flankload.scene.effects import Effects, effects_of
 from flankload.scene.effects.rules import check_coast_kinds
+from flankload.scene.unmodified import unmodified
 from flankload.scene.usual import question_notes
 
 #: Largest distance between flanks with angles from files, relative to the pitch; a larger distance
@@ -63,6 +63,7 @@ def bodies_of(
     which: tuple[int, ...] = (0, 1),
     *,
     parts: Parts | None = None,
+    modified_elements: bool = False,
 ) -> tuple[Body, ...]:
     """Bodies of a scene, not yet paired.
 
@@ -72,6 +73,8 @@ def bodies_of(
         0 is body 1, 1 is body 2.
     parts : Parts, optional
         Of earlier runs.
+    modified_elements : bool
+        Whether elements follow the modified flanks, for another program.
 
     Raises
     ------
@@ -79,7 +82,7 @@ def bodies_of(
         If a body cannot be made; names file, key, expected and found.
     """
     require_flanks(scene)
-    made = partial(_body, scene, discretization, parts)
+    made = partial(_body, scene, discretization, parts, modified_elements=modified_elements)
     element_mm = scene.accuracy.flank_element_mm
     try:
         if effects_of(scene).nodal_near_field:
@@ -281,7 +284,7 @@ def _nodes_of_modes(body: Body, scene: Scene, z: int) -> float | None:
     parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
     if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
         return None
-    low, high = body.mode_range_mm
+    low, high = body.unmodified.mode_range_mm
     return (high - low) / wanted
 
 
@@ -293,6 +296,7 @@ def _body(
     *,
     element_mm: float | None = None,
     nodes_mm: float | None = None,
+    modified_elements: bool = False,
 ) -> Body:
     """Body z with elements of a length on its flank, or nodes at a distance."""
     spec, key = (scene.body_1, scene.body_2)[z], f"body_{z + 1}"
@@ -316,8 +320,8 @@ def _body(
     errors_um = () if spec.from_file else spec.pitch_errors_um
     if errors_um:  # they only shift the teeth, so bodies with other errors share the rest
         spec = structs.replace(spec, pitch_errors_um=())
-    plain = without_modifications(spec) if scene.accuracy.unmodified_elements else spec
-    if plain == spec or spec.rigid:
+    plain = unmodified(spec)
+    if plain == spec or spec.rigid or spec.from_file or modified_elements:
         own = built(spec)
     else:  # a rigid body is made without a mesh
         own, elements = built(structs.replace(spec, rigid=True)), built(plain)
@@ -350,7 +354,7 @@ def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:
     """Root fillets of an elastic body, if their stress is requested."""
     if not effects.root_stress or body.rigid:
         return None
-    return root_fillets(body.elements or body, key)
+    return root_fillets(body.unmodified, key)
 
 
 def _is_modified_file(body: Body) -> bool:

@@ -19,7 +19,7 @@ from flankload.elasticity.compliance.tip_force import has_turned_forces
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
 from flankload.elasticity.sector_closure import sector_unknowns
-from flankload.mechanisms.flank_pair.stages import modes_of
+from flankload.mechanisms.flank_pair.stages import asks_tangential, has_tangential_loads, modes_of
 from flankload.scene.axial import degrees_of
 from flankload.scene.effects import work_in
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
-    from flankload.scene.effects import Work
+    from flankload.scene.effects import Effects, Work
 
 #: Bytes of a number.
 WORD = 8
@@ -72,6 +72,8 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
     )
     if not pair.elastic[z]:  # elements are needed for the expansion only
         work = replace(work, factorisations=1, normal_loads=1)
+    # friction, finite influence coefficients and modified flanks use the same loads
+    work = replace(work, tangential_loads=has_tangential_loads(body, pair.effects))
     growth = 0 if grows is None else grows.load_cases
     modes = modes_of(body, scene, pair.discretization)
     if body.tip is not None and not pair.effects.nodal_near_field:
@@ -83,7 +85,8 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
         degrees = degrees_of(scene.accuracy)
         found = _prism(body, work, modes, degrees, estimated)
         found["stress_recoveries"] = recovered = places if work.recoveries else 0
-        return found | {"bytes": _prism_bytes(body, found, recovered * (degrees[0] + 1))}
+        counted = _without_unasked(found, pair.effects)
+        return found | {"bytes": _prism_bytes(body, counted, recovered * (degrees[0] + 1))}
     # a sharp tip moves along the flank, too
     corners = not pair.effects.nodal_near_field and has_turned_forces(body)
     if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh):
@@ -96,8 +99,14 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
         found["fe_unknowns"] = sector_unknowns(body.mesh, held=pair.effects.single_tooth)
     else:
         found["fe_unknowns"] = 2 * (len(body.mesh.nodes) - len(body.mesh.fixed_nodes))
-    held = _plane_bytes(body.mesh, found, places, corners=int(corners))
+    counted = _without_unasked(found, pair.effects)
+    held = _plane_bytes(body.mesh, counted, places, corners=int(corners))
     return found | {"bytes": held + (0 if fillets is None else held_bytes(fillets.points))}
+
+
+def _without_unasked(counted: dict[str, int], effects: Effects) -> dict[str, int]:
+    """Counters without the tangential loads of modified flanks, whose responses are not held."""
+    return counted if asks_tangential(effects) else counted | {"unit_loads_tangential": 0}
 
 
 def _plane_bytes(
@@ -179,8 +188,7 @@ def _prism(
 
 
 def _loads(work: Work) -> tuple[float, float]:
-    # friction and finite influence coefficients use the same loads along the flank
-    return work.normal_loads, min(1.0, work.tangential_loads)
+    return work.normal_loads, work.tangential_loads
 
 
 def _solved(factorisations: int, normal: int, tangential: int, **further: int) -> dict[str, int]:

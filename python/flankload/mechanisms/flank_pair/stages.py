@@ -18,6 +18,7 @@ from flankload.elasticity.compliance import (
     flank_compliance,
     no_compliance,
 )
+from flankload.elasticity.compliance.modified_flank import on_modified_flank
 from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.prism import Prism, prism_compliance
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
     from flankload.scene.discretization import Grid
+    from flankload.scene.effects import Effects
 
 Compliances = tuple[BodyCompliance, BodyCompliance]
 #: Number of load steps for finite influence coefficients. For coefficients proportional to the
@@ -72,12 +74,11 @@ def elements_call(
             own,
             prism_of(own, scene),
             n_modes=modes_of(own, scene, discretization),
-            friction=effects.friction or tangential,
+            friction=has_tangential_loads(body, effects) or tangential,
             fillets=fillets,
             estimate=estimate,
         )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
-    along = effects.friction or effects.finite_influence
     if own.imported is not None:
         return partial(
             imported_compliance,
@@ -85,7 +86,7 @@ def elements_call(
             modes=scene.accuracy.modes,
             default_modes=discretization.modes,
             plane=scene.accuracy.plane,
-            tangential=(FRICTION if effects.friction else FINITE) if along else None,
+            tangential=asks_tangential(effects),
             nodal=effects.nodal_near_field,
         )
     return partial(
@@ -94,7 +95,7 @@ def elements_call(
         JobOptions(
             n_modes=modes_of(own, scene, discretization),
             plane=scene.accuracy.plane,
-            friction=along or tangential,
+            friction=has_tangential_loads(body, effects) or tangential,
             along=effects.friction and effects.finite_influence,
             nodal=effects.nodal_near_field,
             coast_flanks=scene.effects.coast_flank,
@@ -104,6 +105,22 @@ def elements_call(
         sectors=scene.sectors,
         body_load=body_load if body_load is not None and body_load.needs_elements else None,
     )
+
+
+def has_tangential_loads(body: Body, effects: Effects) -> bool:
+    """Whether the elements of a body are solved for tangential loads.
+
+    Friction and finite influence coefficients need them, and modified flanks, whose forces have
+    another direction than the flank of the elements.
+    """
+    return body.elements is not None or asks_tangential(effects) is not None
+
+
+def asks_tangential(effects: Effects) -> str | None:
+    """The effect that requires the response to tangential loads, in words."""
+    if effects.friction:
+        return FRICTION
+    return FINITE if effects.finite_influence else None
 
 
 def compliance_of(
@@ -144,7 +161,10 @@ def _in_scene(
     if body_load is not None and (body.imported is not None or not body_load.needs_elements):
         found = replace(found, expansion=Expansion(body_load.strain))
     if body.elements is not None:
-        found = found.on_flank(body)
+        found = on_modified_flank(found, body)
+    found = replace(found, along_near=None)  # for the modified flanks of other scenes only
+    if asks_tangential(effects_of(scene)) is None:
+        found = found.without_friction()
     return found if scene.effects.tooth_coupling else found.without_coupling()
 
 

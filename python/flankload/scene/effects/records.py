@@ -164,7 +164,11 @@ EFFECTS = (
         "flank modifications",
         keys=tuple(f"body_*.{key}" for key in switches.MODIFICATIONS),
         called_for=switches.is_modified,
-        **OF_GAPS,
+        stages=("bodies", *BODIES),
+        work=Work(tangential_loads=1),
+        counters=("unit_loads_tangential",),
+        size_by="gaps",
+        of_teeth=True,
     ),
     Effect(
         "pitch_errors",

@@ -102,7 +102,7 @@ def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
     if scene.effects.choose is not None:
         expected = "no such key in an optimisation (name the effects)"
         refuse("effects.choose", expected, shown(scene.effects.choose), scene.file)
-    wanted = {"estimate": False, "tangents": False, "unmodified_elements": True}
+    wanted = {"estimate": False, "tangents": False}
     accuracy = scene.accuracy
     settings: dict[str, Any] = {
         f"accuracy.{key}": x for key, x in wanted.items() if getattr(accuracy, key) is not x

@@ -10,7 +10,8 @@ from msgspec import structs
 
 from flankload.base.rotation import turned
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies
+from flankload.scene.discretization import choose_discretization
 from flankload.scene.effects import is_spatial
 from flankload.scene.refusal import refuse, shown
 from flankload.studies.verification.contact_places import Place, contact_places, fine_sizes
@@ -176,25 +177,42 @@ def friction_of_deck(
 
 
 def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
-    """Both bodies, with coarse elements on the true flanks if flankload makes their meshes.
+    """Both bodies, with coarse elements on the modified flanks if flankload makes their meshes.
 
     `part` is the length of the elements along the flanks in modules.
+
+    Raises SceneError for a mesh from a file whose flank lacks the modifications of its profile.
     """
-    accuracy = structs.replace(scene.accuracy, unmodified_elements=False)
-    scene = replace(scene, accuracy=accuracy)
+    pair = _with_coarse_elements(scene, part)
+    for z, body in enumerate(pair.bodies, start=1):
+        if body.elements is not None:
+            expected = "a profile on which the nodes of the flank lie, since the deck has them"
+            refuse(f"body_{z}.profile", expected, "modifications that they lack", scene.file)
+    return pair
+
+
+def _with_coarse_elements(scene: Scene, part: float | None) -> BodyPair:
+    """As `coarse_bodies`, unchecked."""
     module = next(
         (spec.module_mm for spec in (scene.body_1, scene.body_2) if hasattr(spec, "module_mm")),
         None,
     )
     if module is None:
-        return build_bodies(scene)
+        return with_modified_elements(scene)
     if part is None:
         part = COARSE_SPLINE_PART if scene.body_1.conforms else COARSE_PART
     accuracy = structs.replace(scene.accuracy, flank_element_mm=part * module)
     try:
-        return build_bodies(replace(scene, accuracy=accuracy))
+        return with_modified_elements(replace(scene, accuracy=accuracy))
     except SceneError:  # too coarse for this rim or tooth
-        return build_bodies(scene)
+        return with_modified_elements(scene)
+
+
+def with_modified_elements(scene: Scene) -> BodyPair:
+    """Both bodies with elements on the modified flanks."""
+    discretization = choose_discretization(scene)
+    bodies = bodies_of(scene, discretization, modified_elements=True)
+    return build_bodies(scene, discretization, bodies=(bodies[0], bodies[1]))
 
 
 def turns_of(pair: BodyPair, position_rad: float) -> tuple[float, float]:
