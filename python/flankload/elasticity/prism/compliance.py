@@ -156,7 +156,8 @@ def _smooth_coefficients(
 ) -> tuple[list[tuple[Floats, float]], Floats | None]:
     """Readings (z, r, r), which change, as mode coefficients without the near field; asymmetries.
 
-    Also the near field of loads along the profile as mode coefficients (p, p), with friction. The p columns of normal loads are followed, with friction, by as many along the profile.
+    Also the near field of loads along the profile as mode coefficients (p, p), with friction. The p
+    columns of normal loads are followed, with friction, by as many along the profile.
     """
     n_modes, count = p // (degree_z + 1), responses[0].shape[1]
     potential = projected_potential(surface, n_modes, degree_z)
