@@ -159,7 +159,7 @@ def test_the_fuzz_finds_nothing_in_a_few_problems_of_each_kind() -> None:
     assert str(tally) == f"contact problems: {count} tried, 0 wrong, 0 silent, 0 tracebacks"
 
 
-def test_the_fuzz_notices_what_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_fuzz_notices_wrong_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     """A refusal, a force that is off by 1e-12, a uniqueness that is none, another exception."""
     root = np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 1.0], [0.0, 1.0, 2.0]])
     ones = np.ones((3, 1))

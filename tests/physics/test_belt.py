@@ -138,7 +138,7 @@ def test_shares_are_those_of_another_program(difference: float) -> None:
         (0.0, -20.0, ROW),
     ],
 )
-def test_row_of_springs_stands_for_the_elements(
+def test_row_of_springs_replaces_the_elements(
     prestress: float, difference: float, points: float
 ) -> None:
     known = response(replace(T10, prestress_N_per_mm=prestress))

@@ -178,7 +178,7 @@ def test_compliance_of_the_pulley_is_symmetric_before_it_is_made_so() -> None:
             np.testing.assert_allclose(there, back.T, rtol=0.0, atol=SYMMETRIC * scale)
 
 
-def test_shape_functions_see_what_is_linear_as_it_is() -> None:
+def test_shape_functions_are_exact_for_linear_fields() -> None:
     """At any angles: the ways of shape functions that follow a land which leans."""
     found = known(T10)
     nodes = found.mesh.sector.nodes[found.mesh.land]
@@ -331,7 +331,7 @@ def test_stiff_pulley_is_a_rigid_one() -> None:
     ("material", "twist", "whole"),
     [(STEEL, 0.0047, 0.0079), (PLASTIC, 0.338, 0.545), (Material(1000.0, 0.35), 1.014, 1.603)],
 )
-def test_pulley_twists_as_a_thick_ring_and_yields_at_its_rim(
+def test_pulley_twists_as_a_thick_ring_with_an_elastic_rim(
     material: Material, twist: float, whole: float
 ) -> None:
     """Parts of the rotation on a rigid pulley; the twist is M/(4 pi G) (1/a² - 1/b²)."""
@@ -398,7 +398,7 @@ def test_lands_that_need_not_lift_change_nothing() -> None:
     np.testing.assert_allclose(free.tooth_N_per_mm, held.tooth_N_per_mm, rtol=0, atol=1e-4 * FORCE)
 
 
-def test_lands_lift_off_a_pulley_that_yields() -> None:
+def test_lands_lift_off_an_elastic_pulley() -> None:
     known_here = resting(TAUT, elements=3)
     lifts, reaction = known_here.by[Kind.RADIAL], known_here.by[Kind.PAIR].reaction
     scale = np.abs(reaction).max()

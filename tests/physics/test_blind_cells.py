@@ -139,7 +139,7 @@ def moment_on_body_2(one: Job, found: Sweep, p: int) -> float:
 
 
 @pytest.mark.parametrize("k", range(WANTED))
-def test_exchanged_bodies_carry_the_same_where_they_stand_the_same(k: int) -> None:
+def test_exchanged_bodies_carry_the_same_at_equal_positions(k: int) -> None:
     """Pairs on circles about O1 or about O2, in one configuration and under its moments.
 
     Body 1 is in its position under load; off the path of contact the moments are not

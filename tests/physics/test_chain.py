@@ -73,7 +73,7 @@ def test_tensions_around_the_wrap(seat: float, wear: float, stiffer: int) -> Non
 
 
 @pytest.mark.parametrize(("seat", "most"), [(WIDE, 0.013), (TIGHT, 0.007), (0.005, 0.003)])
-def test_one_solve_is_near_the_place_where_rollers_stand(seat: float, most: float) -> None:
+def test_one_solve_is_near_the_place_of_the_rollers(seat: float, most: float) -> None:
     one, all_passes = (solved(sprocket(seat), chain(), large=large) for large in (False, True))
     off = np.abs(one.tension_N - all_passes.tension_N).max() / 2000.0
     assert off < most  # MODEL: the planes of a wide seat are its corners; 1.1 / 0.64 / 0.1 % here
@@ -172,7 +172,7 @@ def test_more_torque_than_the_growth_says() -> None:
 
 
 @pytest.mark.parametrize("wear", [0.0, 0.005])
-def test_rollers_stand_where_the_energy_is_least(wear: float) -> None:
+def test_rollers_rest_where_the_energy_is_least(wear: float) -> None:
     wheel, links = sprocket(), chain(wear=wear)
     wrap = wrap_at(wheel, 4 * 2 * wheel.half_pitch_rad, 0.4 * wheel.half_pitch_rad)
     state = solved(wheel, links, tight=1000.0, slack=200.0, wrap=wrap)

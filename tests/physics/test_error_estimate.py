@@ -64,7 +64,7 @@ def _compliance(k: int, finer: float) -> BodyCompliance:
 
 
 @pytest.mark.parametrize("k", [6, 13])
-def test_smoothed_stresses_tell_what_elements_miss(k: int) -> None:
+def test_smoothed_stresses_estimate_the_error_of_the_elements(k: int) -> None:
     """Under a unit force anywhere on the flank, in the mean over it."""
     coarse, fine = _compliance(k, 1.0), _compliance(k, 3.0)
     assert coarse.fe_error is not None
@@ -198,7 +198,7 @@ def test_errors_add_up_with_their_signs_and_doubts_by_their_squares() -> None:
     assert estimate.dominant_source == {"load_share": "two"}
 
 
-def test_half_as_many_cells_tell_an_error_of_second_order_exactly() -> None:
+def test_half_as_many_cells_give_an_error_of_second_order_exactly() -> None:
     """Not half as much again: c/n² leaves c/n² where n/2 cells add 3 c/n²."""
     scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
     pair = build_bodies(scene)
@@ -270,7 +270,7 @@ def test_pressure_on_a_rounding_is_uncertain() -> None:
     assert [(one or {}).get("uncertain") for one in found] == [{"peak_pressure": ON_TIPS}, None]
 
 
-def test_secant_stiffness_is_estimated_where_body_1_stands_behind() -> None:
+def test_secant_stiffness_is_estimated_where_body_1_lags_behind() -> None:
     """Metal that touches early by more than the teeth deflect, on all teeth alike."""
     early = {**PAIR["body_1"], "pitch_errors_um": [500.0] * 16}
     beyond = {"effects": {"beyond_limits": True}}  # this pair has no backlash
@@ -291,7 +291,7 @@ def test_without_an_estimate_nothing_is_smoothed() -> None:
     assert flank_compliance(body, JobOptions(n_modes=4, plane="strain")).fe_error is None
 
 
-def test_single_angles_claim_nothing_of_what_is_between() -> None:
+def test_single_angles_claim_nothing_about_the_angles_between() -> None:
     result = solve(fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}}))
     assert isinstance(result, fl.Result)
     assert result.estimate is not None

@@ -210,7 +210,7 @@ def test_friction_rubs_with_finite_forces_too() -> None:
     assert abs(effects[0.2] - effects[0.0]) > 10 * abs(effects[1e-6] - effects[0.0])
 
 
-def test_counters_tell_finite_forces_from_small_ones() -> None:
+def test_counters_distinguish_finite_forces_from_small_ones() -> None:
     plain = fl.solve(scene_of(soft=1.0))
     assert plain.cost["finite_solutions"] == plain.cost["unit_loads_tangential"] == 0
     finite = fl.solve(scene_of(soft=1.0, influence="finite"))

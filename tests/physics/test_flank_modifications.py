@@ -71,7 +71,7 @@ def solved(*args: dict | None, **keys: object) -> fl.Result:
 
 # --- the deviation itself -------------------------------------------------------------------------
 @pytest.mark.parametrize("keys", MODIFICATIONS.values(), ids=MODIFICATIONS)
-def test_deviation_of_the_curve_is_what_the_keys_take_off(keys: dict) -> None:
+def test_deviation_of_the_curve_is_the_metal_removed_by_the_keys(keys: dict) -> None:
     body = build_bodies(scene(keys)).body_1
     found = profile_deviation(body)
     assert found is not None
@@ -93,7 +93,7 @@ def test_plain_flank_deviates_by_nothing() -> None:
         assert [name for name, _ in found.marks] == ["form", "tip"]
 
 
-def test_marks_stand_where_the_keys_say() -> None:
+def test_marks_are_where_the_keys_place_them() -> None:
     relief = {"tip_relief_um": 30, "tip_relief_start_diameter_mm": 79}
     for tip, name in (
         ({"tip_radius_mm": 0.3}, "tip rounding"),
@@ -263,7 +263,7 @@ def site_forces(result: fl.Result) -> dict[int, np.ndarray]:
     return {int(site): result.site_force_N[:, s] for s, site in enumerate(result.sites)}
 
 
-def test_pair_relieved_by_more_than_it_yields_does_not_touch() -> None:
+def test_pair_relieved_by_more_than_its_deflection_does_not_touch() -> None:
     """Both tips relieved by 300 um: where one pair has not yet come to its relief, it is alone.
 
     Where the path of contact is free of relief on both flanks, the deviation of any second pair is
@@ -308,9 +308,7 @@ def test_pair_relieved_by_more_than_it_yields_does_not_touch() -> None:
 
 @pytest.mark.parametrize("side", ["1", "2"])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_tooth_that_stands_back_by_more_than_the_pair_yields_does_not_touch(
-    side: str, sign: int
-) -> None:
+def test_tooth_set_back_by_more_than_the_deflection_does_not_touch(side: str, sign: int) -> None:
     """Pair -1 by its pitch error: 200 um back it never carries, 200 um early it carries alone."""
     errors = [0.0] * (16 if side == "1" else 24)
     errors[1] = -200.0 * sign

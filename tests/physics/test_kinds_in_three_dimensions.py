@@ -44,7 +44,7 @@ def touches_tip(result: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize("tip", [{"tip_radius_mm": 0.3}, {"tip_chamfer_mm": 0.3}])
-def test_tips_yield_as_much_more_than_in_the_plane_as_flanks_do(tip: dict[str, float]) -> None:
+def test_tips_are_as_much_softer_than_in_the_plane_as_flanks(tip: dict[str, float]) -> None:
     softer, few = tip | {"young_modulus_MPa": 206000.0 / SOFTER}, {"flank_element_mm": 2.5}
     plane = solved((softer, softer), 2, accuracy=PLAIN | few)
     found = solved((tip, tip), accuracy=FEW | few)
@@ -96,7 +96,7 @@ NODES = 2.5e-3
 ON_BASE = float(np.degrees(np.arctan(np.tan(np.radians(15.0)) * np.cos(np.radians(20.0)))))
 
 
-def test_sectors_from_meshes_yield_as_gears_do() -> None:
+def test_sectors_from_meshes_are_as_compliant_as_gears() -> None:
     found, gears = from_meshes({}, {}), solved(({}, {}), positions={"count": 4})
     np.testing.assert_allclose(found.transmission_error_um, gears.transmission_error_um, rtol=NODES)
     np.testing.assert_allclose(found.load_share, gears.load_share, atol=NODES)

@@ -106,7 +106,7 @@ def largest(values: np.ndarray, where: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("name", LIMITS)
-def test_what_pairs_find(name: str) -> None:
+def test_lumped_contact_agrees_with_contact_pairs(name: str) -> None:
     lumped, pairs = swept(name, "lumped"), swept(name, "pairs")
     rotation, share, pressure, anywhere = LIMITS[name]
     even = ((lumped.site_corner == 0) & (pairs.site_corner == 0)).all(axis=1)
@@ -129,7 +129,7 @@ def test_what_pairs_find(name: str) -> None:
     assert corners.sum() <= 1
 
 
-def test_friction_changes_what_it_changes_with_pairs() -> None:
+def test_friction_has_the_effect_that_it_has_with_pairs() -> None:
     """Rotation -1 %, share 2.5 points: the change itself agrees to 0.08 % and 0.1 points.
 
     The largest difference is at the pitch point, where the sign turns over: loaded teeth lean, and
@@ -202,7 +202,7 @@ def test_tangent_follows_the_sign_of_sliding_that_turns_over() -> None:
 
 
 @pytest.mark.parametrize("torque", [1e-3, 1.0, 5.0])
-def test_forces_stand_after_few_passes_and_without_columns(torque: float) -> None:
+def test_forces_converge_in_few_passes_without_columns(torque: float) -> None:
     found = swept("internal_gear", "lumped", torque=torque)
     counted = dict(zip(CORE_COUNTERS, found.counters.T, strict=True))
     assert not counted["influence_columns"].any()

@@ -129,7 +129,7 @@ def count_of_nodes(h: float) -> int:
     )
 
 
-def test_counters_tell_nodes_from_modes() -> None:
+def test_counters_distinguish_nodes_from_modes() -> None:
     modes, nodes = solved(by=fl.solve), solved(near_field="nodes", h=0.4, by=fl.solve)
     assert nodes.cost["unit_loads_normal"] == count_of_nodes(0.4)
     assert nodes.cost["unit_loads_nodal"] == nodes.cost["unit_loads_normal"]
@@ -138,7 +138,7 @@ def test_counters_tell_nodes_from_modes() -> None:
     assert nodes.cost["finite_solutions"] == 0
 
 
-def test_nodes_stand_a_fifth_of_the_half_width_apart_by_themselves() -> None:
+def test_default_distance_of_nodes_is_a_fifth_of_the_half_width() -> None:
     tree = deepcopy(SCENE)
     tree["effects"] = {"near_field": "nodes"}
     pair = build_bodies(fl.Scene.from_dict(tree))
@@ -202,7 +202,7 @@ def test_one_position_is_that_of_the_plain_interface(nodes: fl.Result) -> None:
         )
 
 
-def test_friction_does_with_nodes_what_it_does_with_modes(modes: fl.Result) -> None:
+def test_friction_has_the_same_effect_with_nodes_as_with_modes(modes: fl.Result) -> None:
     nodes = solved(near_field="nodes", h=SPACINGS[0])
     rubbing = solved(friction_coefficient=0.1)
     found = solved(friction_coefficient=0.1, near_field="nodes", h=SPACINGS[0], by=fl.solve)
@@ -242,7 +242,7 @@ def test_error_estimate_is_that_of_half_as_many_nodes() -> None:
     assert 0.005 < estimated < 0.05
 
 
-def test_nodes_that_stand_too_far_apart_are_told(nodes: fl.Result) -> None:
+def test_nodes_too_far_apart_get_a_warning(nodes: fl.Result) -> None:
     (told, other) = solved(near_field="nodes", h=0.4).warnings[-2:]
     assert told.startswith("body_1: nodes up to 0.39 mm apart, 1.5 Hertz half-widths")
     assert other.startswith("body_2: nodes up to")

@@ -125,7 +125,7 @@ def test_one_pitch_of_a_wheel_with_windows_is_not_sold_as_its_period(one_pitch: 
 
 
 @pytest.mark.parametrize("quantity", ["mean", "peak_to_peak"])
-def test_estimate_contains_what_the_other_pitches_are(
+def test_estimate_contains_the_differences_of_the_other_pitches(
     quantity: str, one_pitch: fl.Result, whole_period: fl.Result
 ) -> None:
     name = f"transmission_error_{quantity}"
@@ -246,7 +246,7 @@ def test_teeth_without_a_flank_are_named_as_the_first_cure(folder: Path) -> None
     assert found.estimate["by_source"]["period"]["transmission_error_mean"] > 1e-3
 
 
-def test_period_of_a_compliance_is_that_of_what_teeth_do_to_each_other_too() -> None:
+def test_period_of_a_compliance_includes_that_of_cross_compliances() -> None:
     """Alike by themselves; of three teeth the first two are coupled more than the others."""
     own, coupled = np.eye(1), 0.3 * np.eye(1)
     blocks = np.array([[own if i == j else coupled for j in range(3)] for i in range(3)])
@@ -268,7 +268,7 @@ def test_estimate_is_no_condition_of_the_period(folder: Path) -> None:
     assert solve(dataclasses.replace(scene, accuracy=plain)).period_pitches == GROUP
 
 
-def test_angles_of_one_pitch_stand_for_all_and_more_are_a_part(folder: Path) -> None:
+def test_angles_of_one_pitch_represent_all_and_more_are_a_part(folder: Path) -> None:
     pitch = 360 / 16
     for turns, period in ((1.0, 1), (2.0, GROUP)):
         angles = list(np.arange(0, turns * pitch, pitch / 4))

@@ -72,7 +72,7 @@ def _pinion(flank_element_mm: float) -> Body:
 
 
 @pytest.mark.parametrize("helix", [0.0, 15.0])
-def test_modes_yield_as_in_another_program(helix: float) -> None:
+def test_compliance_of_modes_is_that_of_another_program(helix: float) -> None:
     body, prism, n_s = _pinion(1.0), Prism(ENDS, _twist(helix)), 3
     found = prism_compliance(body, prism, n_modes=n_s)
     surface = flank_surface(body, prism)

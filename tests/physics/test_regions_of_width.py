@@ -61,7 +61,9 @@ def _webbed(hub: bool) -> Body:
 
 
 @pytest.mark.parametrize(("case", "degrees"), CASES)
-def test_a_thin_web_yields_as_in_another_program(case: str, degrees: tuple[int, int]) -> None:
+def test_a_thin_web_is_as_compliant_as_in_another_program(
+    case: str, degrees: tuple[int, int]
+) -> None:
     body, n_s, (degree, cut_degree) = _webbed(case == "hub"), 5, degrees
     prism = Prism(
         (-0.5 * WIDTH, 0.5 * WIDTH),
@@ -114,7 +116,7 @@ def test_a_web_as_wide_as_the_gear_is_none() -> None:
         assert np.array_equal(getattr(same, name), getattr(plain, name))
 
 
-def test_thin_webs_yield_and_one_off_the_middle_tilts() -> None:
+def test_thin_webs_are_compliant_and_one_off_the_middle_tilts() -> None:
     plain, middle = _solved({}, estimate=True), _solved(THIN)
     aside = _solved(THIN | {"web_offset_mm": 4.9}, estimate=True)
     mean = [result.transmission_error_um.mean() for result in (plain, middle, aside)]

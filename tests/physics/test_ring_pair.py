@@ -51,7 +51,7 @@ def test_rotation_and_forces_are_those_of_plain_elements(result: fl.Result) -> N
     assert (miss < bound * forces.sum(axis=1)).all()
 
 
-def test_stored_reference_is_what_its_script_finds(result: fl.Result) -> None:
+def test_stored_reference_is_the_result_of_its_script(result: fl.Result) -> None:
     """The same script, live, with elements of twice the length, where no corner works."""
     chosen = np.flatnonzero(~result.corner_contact.any(axis=1))[::3]
     angles = np.degrees(result.position_rad[chosen])
@@ -117,7 +117,7 @@ def test_pitch_error_of_the_ring_takes_load_from_its_tooth(result: fl.Result) ->
     assert shares[1] == pytest.approx(result.load_share[6, zero], rel=1e-9)
 
 
-def test_root_fillet_of_the_ring_carries_what_touches_it() -> None:
+def test_root_fillet_of_the_ring_carries_contact() -> None:
     """A pinion tip that reaches beyond the form circle presses on the fillet."""
     keys = {"body_1": {"tip_diameter_mm": 79.4}, "body_2": {"root_diameter_mm": 187.6}}
     found = solve(scene(**keys, pair={"center_distance_mm": 53.9}, positions={"count": 24}))

@@ -95,7 +95,7 @@ def test_default_elements_are_fine_enough_for_the_root(name: str, size_mm: float
         np.testing.assert_allclose(found, expected, rtol=REFINED[name], atol=0)
 
 
-def test_few_modes_are_enough_for_the_root_wherever_the_force_stands() -> None:
+def test_few_modes_are_enough_for_the_root_wherever_the_force_acts() -> None:
     body = body_of("pinion", 0.5)
     few, many = response_of(body, 5), response_of(body, 12)
     for part in (0.1, 0.25, 0.5, 0.75, 0.98):

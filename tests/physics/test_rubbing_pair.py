@@ -112,7 +112,9 @@ def test_forces_hold_the_torque_about_the_axis(driver: str) -> None:
 
 @pytest.mark.parametrize("mu", [0.1, 0.5])
 @pytest.mark.parametrize("driver", ["body_1", "body_2"])
-def test_driver_gives_what_the_driven_body_and_friction_take(driver: str, mu: float) -> None:
+def test_work_of_the_driver_is_that_of_the_driven_body_and_of_friction(
+    driver: str, mu: float
+) -> None:
     """Torque on body 2 from the forces at their places, the loss from the sliding speeds."""
     result = solved(mu, driver, 32)
     torque_2, loss = np.empty(32), np.empty(32)
@@ -393,7 +395,7 @@ def test_coefficient_over_the_roll_position() -> None:
 
 
 @pytest.mark.parametrize(("friction", "angle"), [(1.8, 17.2), (1.5, 16.875)])
-def test_jammed_pair_says_what_can_be_held(friction: float, angle: float) -> None:
+def test_error_of_a_jammed_pair_gives_the_largest_torque(friction: float, angle: float) -> None:
     """A little less is held, a little more not; the second place works on a tip edge."""
 
     def jam(torque: float) -> fl.Result:

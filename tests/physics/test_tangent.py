@@ -17,7 +17,7 @@ STEP = 1e-4
 
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 @pytest.mark.parametrize("name", ["external_gear", "internal_gear"])
-def test_tangent_is_what_the_rotation_does(name: str, friction: float) -> None:
+def test_tangent_is_the_derivative_of_the_rotation(name: str, friction: float) -> None:
     tables = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
     torque = tables["load"]["torque_Nm"]
     tables |= {

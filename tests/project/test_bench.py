@@ -67,7 +67,7 @@ def test_residual_takes_the_rotation_from_the_carrying_rows() -> None:
 
 
 @pytest.mark.parametrize("friction", FRICTIONS)
-def test_residual_tells_a_wrong_answer(friction: float) -> None:
+def test_residual_reveals_a_wrong_answer(friction: float) -> None:
     problem = cylinder(30, friction)
     state = solve(problem)
     right = state.normal_forces

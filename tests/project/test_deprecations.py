@@ -12,13 +12,13 @@ def deprecated_in(module: str) -> None:
 
 
 @pytest.mark.parametrize("module", ["flankload", "flankload.plot.style"])
-def test_what_the_package_calls_is_an_error(module) -> None:
+def test_deprecations_of_the_package_are_errors(module) -> None:
     with pytest.raises(DeprecationWarning):
         deprecated_in(module)
 
 
 @pytest.mark.parametrize("module", ["matplotlib._fontconfig_pattern", "flankloader"])
-def test_what_other_packages_call_is_none(module) -> None:
+def test_deprecations_of_other_packages_are_not(module) -> None:
     with warnings.catch_warnings(record=True) as said:
         deprecated_in(module)
     assert [str(warning.message) for warning in said] == ["old"]

@@ -32,7 +32,7 @@ def table_rows(column: int = -1) -> list[list[str]]:
     return [re.findall(r"`([^`]+)`", row[column]) for row in rows]
 
 
-def test_what_the_table_names_exists() -> None:
+def test_names_of_the_table_exist() -> None:
     rows = table_rows()
     assert len(rows) > 20
     missing = []
@@ -96,7 +96,7 @@ def silent_arguments(lines: list[str], start: int) -> list[str]:
     return found
 
 
-def test_arguments_stand_in_the_order_of_the_call() -> None:
+def test_arguments_are_in_the_order_of_the_call() -> None:
     text = (FORTRAN.parent / "docs" / "reference" / "fortran.md").read_text(encoding="utf-8")
     calls = {}
     for path in (FORTRAN / "flat").glob("*.f90"):

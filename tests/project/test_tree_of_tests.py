@@ -79,14 +79,14 @@ def test_an_import_of_a_test_is_seen(folder: str, text: str) -> None:
     assert len(faults_of(TESTS / folder / "module.py", text)) == 1
 
 
-def test_what_is_shared_may_be_imported() -> None:
+def test_shared_modules_may_be_imported() -> None:
     shared = "import numpy as np\nfrom tests.support.paths import ROOT\nfrom .compare import table"
     assert faults_of(TESTS / "regression" / "module.py", shared) == []
     bench = "from tests.benchmarks import fuzz\nfrom tests.mutations.faults import FAULTS"
     assert faults_of(TESTS / "project" / "module.py", bench) == []
 
 
-def test_tests_of_a_room_stand_in_a_folder_of_its_name() -> None:
+def test_tests_of_a_room_are_in_a_folder_of_its_name() -> None:
     rooms = {path.parent.name for path in (ROOT / "python" / "flankload").glob("*/*.py")}
     modules = list((TESTS / "unit").rglob("*.py"))
     assert all(path.name.startswith("test_") for path in modules)

@@ -97,7 +97,7 @@ def made_up(value: Any, **changes: Any) -> dict[str, Any]:
     return {"quantities": {"force": about | changes}}
 
 
-def test_what_moves_too_far_is_named() -> None:
+def test_quantities_that_move_too_far_are_named() -> None:
     (row,) = movements(made_up([1.0, 200.0]), made_up([1.1, 200.1]))
     assert not row.is_drift
     np.testing.assert_allclose(row.allowed, 0.2, rtol=1e-12, atol=0)
@@ -110,12 +110,12 @@ def test_what_moves_too_far_is_named() -> None:
     ("before", "now"),
     [([1.0], [1.0, 2.0]), ("solved", "NegativeForce"), ([1.0], [float("nan")]), ("solved", 1.0)],
 )
-def test_what_changes_its_kind_is_drift(before: Any, now: Any) -> None:
+def test_a_change_of_kind_is_drift(before: Any, now: Any) -> None:
     (row,) = movements(made_up(before), made_up(now))
     assert row.is_drift
 
 
-def test_what_comes_or_goes_is_drift() -> None:
+def test_an_added_or_missing_quantity_is_drift() -> None:
     nothing: dict[str, Any] = {"quantities": {}}
     assert movements(made_up([1.0]), nothing)[0].is_drift
     assert movements(nothing, made_up([1.0]))[0].is_drift

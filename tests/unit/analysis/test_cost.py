@@ -64,7 +64,7 @@ def test_an_account_names_nothing_that_was_not_done() -> None:
     }
 
 
-def test_what_has_no_name_is_not_counted() -> None:
+def test_work_without_a_name_is_not_counted() -> None:
     with pytest.raises(KeyError, match="pirouettes"):
         Account().count(pirouettes=1)
 
@@ -79,7 +79,7 @@ def test_an_account_runs_while_its_stage_does() -> None:
     assert 0 < once < account.wall_s
 
 
-def test_arrays_are_held_once_each_and_views_as_what_they_show() -> None:
+def test_arrays_count_once_and_views_count_their_base() -> None:
     whole = np.zeros((10, 4))
     assert held_bytes(whole) == 320
     assert held_bytes({"a": [whole[:2], (whole, whole.T)]}, whole) == 320
@@ -87,7 +87,7 @@ def test_arrays_are_held_once_each_and_views_as_what_they_show() -> None:
     assert held_bytes(Account(), "text", 1, None) == 0
 
 
-def test_packed_pairs_count_what_is_used_of_their_room() -> None:
+def test_packed_pairs_count_the_used_part_of_their_memory() -> None:
     pairs = PackedPairs(
         site=np.zeros(100, dtype=np.intc),
         table=np.zeros((100, 11)),
@@ -162,7 +162,7 @@ def test_tangent_and_estimate_have_accounts_of_their_own() -> None:
     assert alone["pivots"] == with_both["pivots"] - stages["estimate"]["counters"]["pivots"]
 
 
-def test_torques_of_a_list_share_the_run_and_tell_their_own_part() -> None:
+def test_torques_of_a_list_share_the_run_and_have_their_own_part() -> None:
     scene = fl.Scene.from_dict(changed(load__torque_Nm=[0, 100, 302], **FEW))
     nothing, light, full = (result.cost for result in fl.solve(scene).by_torque)
     assert nothing["stages"] == light["stages"] == full["stages"]
@@ -248,7 +248,7 @@ def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
     ],
     ids=lambda changes: ", ".join(f"{key}={value}" for key, value in changes.items()),
 )
-def test_what_can_be_counted_before_is_what_is_spent(changes: dict[str, Any]) -> None:
+def test_counters_known_in_advance_are_those_of_the_run(changes: dict[str, Any]) -> None:
     cost = solved(**changes).cost
     assert differences(cost) == {}
     stages = cost["stages"]
@@ -260,7 +260,7 @@ def test_what_can_be_counted_before_is_what_is_spent(changes: dict[str, Any]) ->
 
 
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
-def test_each_example_is_solved_as_it_stands_and_takes_what_was_predicted(path: Path) -> None:
+def test_each_example_is_solved_at_the_predicted_cost(path: Path) -> None:
     result = fl.solve(fl.read_scene(path))
     assert isinstance(result, fl.Result)
     assert (result.status >= 0).all()
@@ -296,7 +296,7 @@ def test_a_prediction_that_is_wrong_shows(monkeypatch: pytest.MonkeyPatch) -> No
     assert differing["compliance body 1", "unit_loads_normal"] == (4, 5)
 
 
-def test_a_plan_stands_beside_what_is_spent() -> None:
+def test_a_plan_is_shown_beside_the_cost() -> None:
     scene = fl.Scene.from_dict(changed(**ALL))
     plain, planned = solved(**ALL), fl.solve(scene, plan=fl.plan(scene))
     assert isinstance(planned, fl.Result)

@@ -257,7 +257,7 @@ def test_period_is_where_teeth_alike_meet_again(errors_1: Any, errors_2: Any, pi
     assert not any("repeat after" in note for note in pair.notes)
 
 
-def test_flanks_that_stand_unevenly_in_a_mesh_are_pitch_errors() -> None:
+def test_uneven_flanks_of_a_mesh_are_pitch_errors() -> None:
     pair = build_bodies(few_teeth())
     turned = replace(pair.body_2, flank_turns_rad=tuple(1e-5 * errors_of(18, 6)))
     assert period_of(pair.body_1, turned).pitches == 18

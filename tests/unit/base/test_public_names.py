@@ -50,7 +50,7 @@ def test_dir_shows_the_public_names() -> None:
 
 @pytest.mark.parametrize("name", OF_SCENE)
 @pytest.mark.parametrize("wrong", [5, None, [1, 2], "made-up"])
-def test_what_is_no_scene_is_refused_in_one_line(name: str, wrong: Any) -> None:
+def test_an_argument_that_is_no_scene_is_refused_in_one_line(name: str, wrong: Any) -> None:
     given = made_up_result() if wrong == "made-up" else wrong
     with pytest.raises(fl.InputError) as caught:
         OF_SCENE[name](given)

@@ -335,7 +335,7 @@ def test_rate_is_the_change_of_the_angle(follower: dict, sense: str) -> None:
 
 
 @pytest.mark.parametrize("follower", [{}, FLAT_FOLLOWER], ids=["roller", "flat"])
-def test_follower_stands_where_it_first_touches(follower: dict) -> None:
+def test_follower_rests_where_it_first_touches(follower: dict) -> None:
     """No place of the cam lies inside the follower, and one lies on it, whatever its hollows."""
     pair = pair_of(waves(), {**follower, **STIFF}, STIFF, positions={"count": 37}, **NO_LOAD)
     contacts = contacts_of(pair)
@@ -471,7 +471,7 @@ def test_transmission_error_is_rotation_times_arm() -> None:
     assert flat.reference_radius_mm == pytest.approx(np.hypot(FLAT_OFFSET, 75.0))
 
 
-def test_result_says_where_the_follower_stands(tmp_path: Path) -> None:
+def test_result_has_the_angle_of_the_follower(tmp_path: Path) -> None:
     result = solved(positions={"count": 4})
     pair = pair_of(positions={"count": 4})
     turn = contacts_of(pair).turn_1

@@ -139,7 +139,7 @@ def test_fewer_modes_are_a_block_of_all(folder: Path) -> None:
     np.testing.assert_allclose(found.rotation_rad, solved(**keys).rotation_rad, rtol=SOLVER, atol=0)
 
 
-def test_mesh_without_profile_comes_back_as_it_stands(
+def test_mesh_without_profile_comes_back_unchanged(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     scene = Path("examples/scenes/external_gear_mesh.toml")

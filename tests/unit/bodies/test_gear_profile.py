@@ -214,7 +214,7 @@ def test_linear_relief_begins_in_a_corner_and_parabolic_relief_does_not() -> Non
 
 
 @pytest.mark.parametrize(("shape", "half"), [("linear", 0.5), ("parabolic", 0.25)])
-def test_tip_relief_takes_off_what_it_says(shape: str, half: float) -> None:
+def test_tip_relief_removes_its_amount(shape: str, half: float) -> None:
     spec = gear(tip_relief_um=20.0, tip_relief_start_diameter_mm=79.0, tip_relief_shape=shape)
     profile = gear_profile(spec, "body_1")
     base = profile.involute.base_radius_mm

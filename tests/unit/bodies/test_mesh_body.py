@@ -269,7 +269,7 @@ def test_profile_that_does_not_fit_says_by_how_much() -> None:
 
 
 @pytest.mark.parametrize("distance", [50.0, 91.0])
-def test_bodies_that_stand_wrong_are_refused_or_named(distance: float) -> None:
+def test_misplaced_bodies_are_refused_or_named(distance: float) -> None:
     """Regression: a wrong centre distance gave numbers without a word."""
     scene = mesh_scene()
     pair = dataclasses.replace(

@@ -126,7 +126,7 @@ def test_largest_fillet_of_the_message_is_the_full_rounding() -> None:
 
 
 @pytest.mark.parametrize(("shape", "power"), [("linear", 1), ("parabolic", 2)])
-def test_tip_relief_takes_off_what_it_says(shape: str, power: int) -> None:
+def test_tip_relief_removes_its_amount(shape: str, power: int) -> None:
     profile = profile_of(
         tip_relief_um=20.0, tip_relief_start_diameter_mm=178.0, tip_relief_shape=shape
     )
@@ -212,7 +212,7 @@ def test_outline_goes_from_space_to_space() -> None:
     assert (radii.min(), radii.max()) == pytest.approx((87.6, 93.75), rel=ROUND_OFF)
 
 
-def test_body_has_what_pairing_asks_for() -> None:
+def test_body_has_the_data_for_pairing() -> None:
     body = build_involute_body(ring(rigid=True), "body_2", flank_element_mm=1.0)
     assert (body.kind, body.outward, body.mesh) == ("ring", -1, None)
     assert body.reference_radius_mm == pytest.approx(90.0 * cos(radians(20.0)), rel=ROUND_OFF)

@@ -290,7 +290,7 @@ def test_rigid_gear_has_no_mesh() -> None:
     assert built(rigid=True).mesh is None
 
 
-def test_body_has_what_pairing_asks_for() -> None:
+def test_body_has_the_data_for_pairing() -> None:
     body = built(pitch_errors_um=tuple(range(16)))
     assert body.reference_radius_mm == body.base_radius_mm == body.involute.base_radius_mm
     assert (body.tip_radius_mm, body.bore_radius_mm) == (41.23, 15.0)

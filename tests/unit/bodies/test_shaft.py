@@ -337,7 +337,7 @@ def test_parts_of_a_flexible_shaft_make_the_whole_one(inner: float) -> None:
     np.testing.assert_allclose(found / size, wanted / size, rtol=0, atol=2e-4)
 
 
-def test_the_bore_of_a_web_or_hub_is_what_the_shaft_fills() -> None:
+def test_the_shaft_fills_the_bore_of_a_web_or_hub() -> None:
     scene = changed(body_1__hub_diameter_mm=40.0, body_1__hub_width_mm=30.0)
     scene["body_1"]["shaft"] = {**BEAM, **FLEXIBLE}
     axial = build_bodies(fl.Scene.from_dict(scene)).body_1.axial

@@ -106,7 +106,7 @@ def test_sector_gives_the_same_in_every_format(
     assert_same(found, by_nodes)
 
 
-def test_whole_pinion_gives_what_its_sector_gives(folder: Path, by_nodes: fl.Result) -> None:
+def test_whole_pinion_has_the_results_of_its_sector(folder: Path, by_nodes: fl.Result) -> None:
     """One computation of the whole body against the ring closed over the sectors.
 
     Whole bodies in the other formats are written and read by the command below.
@@ -119,7 +119,7 @@ def test_whole_pinion_gives_what_its_sector_gives(folder: Path, by_nodes: fl.Res
     assert found.cost["unit_loads_normal"] == (16 + 1) * 3
 
 
-def test_both_bodies_whole_with_profiles_give_what_parameters_give(folder: Path) -> None:
+def test_both_whole_bodies_with_profiles_agree_with_parametric_ones(folder: Path) -> None:
     found = solve(
         scene_of(
             whole("body_1", folder / "pinion_whole.inp"),
@@ -206,7 +206,9 @@ def test_flank_beside_its_share_is_a_pitch_deviation(tmp_path: Path) -> None:
     )
 
 
-def test_whole_body_obeys_betti_and_stands_as_written(folder: Path) -> None:
+def test_compliance_of_a_whole_body_is_symmetric_and_not_turned(
+    folder: Path,
+) -> None:
     from flankload.elasticity.compliance import JobOptions, flank_compliance
 
     pair = build_bodies(
@@ -230,7 +232,7 @@ def test_outline_of_a_whole_body_is_one_pitch_of_its_contour(folder: Path) -> No
     assert np.hypot(*outline.T).max() == pytest.approx(41.23, rel=1e-6)
 
 
-def test_other_mesher_is_within_what_its_deviation_says(tmp_path: Path) -> None:
+def test_another_mesher_agrees_within_its_deviation(tmp_path: Path) -> None:
     gears = build_bodies(fl.read_scene(SCENES / "external_gear.toml"))
     for name, body, turn in (
         ("pinion", gears.body_1, gears.turn_1),

@@ -56,7 +56,9 @@ def test_the_only_stage_is_taken(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert pair.exists()
 
 
-def test_what_the_file_lacks_is_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_data_can_be_given_beside_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     box = written(tmp_path, without("torque_around_u_axis", 81, without("inner_diameter", 12)))
     pair = tmp_path / "pair.toml"
     argv = ["scene", box, "--stage", "21", "-o", pair]

@@ -125,7 +125,7 @@ def test_a_record_holds_what_was_packed() -> None:
     assert record[1] == record.size == N_HEADER + sum(part.size for part in found.values())
 
 
-def test_the_length_is_told_before_and_kept_to() -> None:
+def test_the_length_is_known_in_advance() -> None:
     """n_record = 0, or less than needed: the length, and nothing is written."""
     arguments = main_arguments()
     needed = _core.flankload_pack_body(*arguments, np.empty(0))

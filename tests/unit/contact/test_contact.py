@@ -294,7 +294,7 @@ def test_the_door_doubles_integers() -> None:
     assert doubled.tolist() == [-2, -14, 2000]
 
 
-def test_the_version_stands_in_one_place() -> None:
+def test_the_version_is_defined_in_one_place() -> None:
     assert ".".join(map(str, _core.flankload_version()[:3])) == fl.__version__
 
 

@@ -93,7 +93,7 @@ def test_twins_and_several_motions_in_blocks() -> None:
         )
 
 
-def test_uniqueness_rests_on_what_it_says() -> None:
+def test_uniqueness_has_the_stated_reason() -> None:
     """Open pairs that would drive each other away make a second state. A single entry too large for
     an elastic compliance is seen; three of which none is too large only by a proof, or not at all
     where the caller vouches for the matrix."""

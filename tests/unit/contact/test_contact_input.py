@@ -331,7 +331,7 @@ def test_number_that_no_solution_reads(bad: float, order: Any) -> None:
 
 
 @pytest.mark.parametrize("n", [1, 3, 90, 643])
-def test_one_entry_decides_what_is_known_of_the_matrix(n: int) -> None:
+def test_one_entry_decides_the_known_form_of_the_matrix(n: int) -> None:
     """At any place: symmetric, allowed by the diagonal, its own transpose to the last bit."""
     rng = np.random.default_rng(7)
     matrix = np.asfortranarray(rng.random((n, n)))

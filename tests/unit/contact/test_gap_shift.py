@@ -105,7 +105,7 @@ def test_an_even_shift_is_metal_that_touches_early(torque: float) -> None:
 
 
 @pytest.mark.parametrize("torque", [0.0, 100.0, 302.0])
-def test_a_flank_shifted_as_crowning_stands_is_a_crowned_flank(torque: float) -> None:
+def test_a_flank_shifted_by_its_crowning_is_a_crowned_flank(torque: float) -> None:
     """The other way goes through the profile of the body: other curves, other least gaps."""
     pair, compliances = job()
     crowned, _ = job(10.0)

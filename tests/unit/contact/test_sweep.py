@@ -77,7 +77,7 @@ def test_answers_are_bitwise_the_same_with_any_number_of_threads() -> None:
     assert outputs[1] == 3 * outputs[0]
 
 
-def test_without_torque_nothing_yields_and_no_elements_are_solved() -> None:
+def test_without_torque_nothing_deforms_and_no_elements_are_solved() -> None:
     found = solved(load={"torque_Nm": 0}, accuracy={})
     assert found.cost["fe_factorisations"] == 0
     assert found.cost["influence_columns"] == 0

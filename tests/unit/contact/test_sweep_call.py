@@ -152,14 +152,14 @@ def test_the_core_stops_when_it_is_asked_to(monkeypatch: pytest.MonkeyPatch) -> 
     assert calls == [(0, 24)]
 
 
-def test_progress_is_told_while_the_core_runs_and_ends_at_the_end() -> None:
+def test_progress_is_reported_while_the_core_runs_and_ends_at_the_end() -> None:
     calls: list[tuple[int, int]] = []
     run([302e3], count=24, progress=lambda done, total: calls.append((done, total)))
     assert calls[-1] == (24, 24)
     assert sorted(calls) == calls
 
 
-def test_what_progress_raises_stops_the_core_and_reaches_the_caller() -> None:
+def test_an_exception_of_progress_stops_the_core_and_reaches_the_caller() -> None:
     control = np.zeros(2, dtype=np.intc)
 
     def core() -> str:
@@ -175,7 +175,7 @@ def test_what_progress_raises_stops_the_core_and_reaches_the_caller() -> None:
     assert control[0] == 1
 
 
-def test_what_the_core_call_raises_reaches_the_caller() -> None:
+def test_an_exception_of_the_core_call_reaches_the_caller() -> None:
     def core() -> None:
         raise MemoryError("too many pairs")
 

@@ -36,7 +36,7 @@ def test_ring_closure_equals_the_meshed_ring(teeth: int) -> None:
     assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
 
 
-def test_ring_obeys_betti_without_being_told() -> None:
+def test_compliance_of_a_ring_is_symmetric() -> None:
     teeth = 6
     mesh, span = ring_sector(teeth)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
@@ -62,7 +62,7 @@ def test_ring_closure_of_real_teeth_equals_the_meshed_gear(teeth: int) -> None:
     assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
 
 
-def test_ring_closure_of_teeth_that_stand_inwards_equals_the_meshed_ring() -> None:
+def test_ring_closure_of_internal_teeth_equals_the_meshed_ring() -> None:
     spec = Ring(
         teeth=12,
         module_mm=3.0,
@@ -172,7 +172,7 @@ def read_with(body: Body, *asked: str, sectors: int | None = None) -> BodyCompli
 
 
 @pytest.mark.parametrize("sectors", [None, 3, 1])
-def test_what_is_read_besides_changes_no_bit(sectors: int | None) -> None:
+def test_further_readings_change_no_bit(sectors: int | None) -> None:
     body = gear_body(16, 1.0)
     readings = READINGS if sectors != 1 else READINGS[:2]  # a tooth alone does not grow by elements
     every = read_with(body, *readings, sectors=sectors)
@@ -188,7 +188,7 @@ def test_what_is_read_besides_changes_no_bit(sectors: int | None) -> None:
             np.testing.assert_array_equal(shift, every.expansion.shifts[name])
 
 
-def test_what_is_read_of_a_whole_mesh_changes_no_bit_of_its_compliance() -> None:
+def test_readings_of_a_whole_mesh_change_no_bit_of_its_compliance() -> None:
     body = gear_body(16, 1.0)
     mesh = body.mesh
     flank = MeshedFlank(0, mesh.nodes, mesh.flank_edges, mesh.flank_arc_length)

@@ -107,7 +107,7 @@ def polynomial(nodes: np.ndarray, degree: int) -> np.ndarray:
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("degree", [1, 2])
-def test_nothing_is_missed_of_what_elements_hold(kind: str, plane: str, degree: int) -> None:
+def test_fields_of_the_elements_have_no_error(kind: str, plane: str, degree: int) -> None:
     """Even and linear stresses, on shaken straight elements; cubic displacements are not held."""
     nodes, cells = rectangle(kind, ROWS, shaken=0.2)
     held, beyond = (
@@ -144,7 +144,7 @@ def test_missed_is_symmetric_positive_and_bilinear(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_of_smooth_pressures_it_is_what_a_finer_mesh_finds(kind: str) -> None:
+def test_for_smooth_pressures_it_is_the_difference_from_a_finer_mesh(kind: str) -> None:
     """Both pressures, and the one with the other: a matrix, not numbers."""
     coarse, estimated = of_smooth(kind, ROWS)
     fine, _ = of_smooth(kind, FINER * ROWS)
@@ -154,7 +154,7 @@ def test_of_smooth_pressures_it_is_what_a_finer_mesh_finds(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_it_falls_as_what_elements_miss_does(kind: str) -> None:
+def test_it_decreases_like_the_error_of_the_elements(kind: str) -> None:
     estimated = [np.trace(of_smooth(kind, rows)[1]) for rows in (ROWS, 2 * ROWS)]
     assert np.log2(estimated[0] / estimated[1]) > LEAST_ORDER
 

@@ -172,7 +172,7 @@ def test_stress_is_nearly_the_same_in_plane_strain_and_plane_stress() -> None:
     np.testing.assert_allclose(stress.response, strain.response, rtol=0, atol=0.02 * scale)
 
 
-def test_whole_body_reads_what_its_sector_reads(tmp_path: Path) -> None:
+def test_readings_of_a_whole_body_are_those_of_its_sector(tmp_path: Path) -> None:
     write_mesh(tmp_path / "whole.msh", *whole_of(read_mesh(COARSE_PINION), 16))
     names = [f"FLANK_{k}" for k in range(16)]
     whole = {
@@ -277,7 +277,7 @@ def test_stress_changes_nothing_else(with_stress: Result) -> None:
     assert with_stress.cost["stress_recoveries"] == places
 
 
-def test_stress_stands_in_all_files_and_in_the_table(with_stress: Result) -> None:
+def test_stress_is_in_all_files_and_in_the_table(with_stress: Result) -> None:
     tree = json.loads(with_stress.to_json())
     row = next(csv.DictReader(io.StringIO(with_stress.to_csv())))
     for z, stress in enumerate(with_stress.root_stress, start=1):

@@ -121,7 +121,7 @@ def test_single_tooth_is_a_row_of_one() -> None:
     assert not found[1:].any()
 
 
-def test_bodies_stay_elastic_however_little_of_them_yields() -> None:
+def test_bodies_stay_elastic_however_small_their_elastic_part() -> None:
     """Held places only stiffen a tooth; a segment moves along, and is positive definite still."""
     body = gear_body(17, 2.0)
     matrix = stiffness(body.mesh.nodes, body.mesh.cells, STEEL, "strain")
@@ -179,7 +179,7 @@ def test_single_teeth_are_the_stiffest() -> None:
     assert found.cost["unit_loads_normal"] == 10
 
 
-def test_curves_close_whatever_yields() -> None:
+def test_curves_close_whichever_part_is_elastic() -> None:
     """No tooth is the middle of the segment for good: a pitch on, all is as it was."""
     pitch = 360.0 / 16
     for effects in ({"body": "segment", "segment_teeth": 3}, {"tooth_coupling": False}):

@@ -341,7 +341,7 @@ def test_each_row_of_the_table_has_its_case() -> None:
 
 
 @pytest.mark.parametrize("name", ROWS)
-def test_what_is_left_out_leaves_no_trace(name: str) -> None:
+def test_an_absent_effect_leaves_no_trace(name: str) -> None:
     effect, case = ROWS[name], CASES[name]
     run = run_of(case.off)
     assert not switches_of(run.scene)[effect.name].on
@@ -350,7 +350,7 @@ def test_what_is_left_out_leaves_no_trace(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ROWS)
-def test_what_is_called_for_is_seen(name: str) -> None:
+def test_a_requested_effect_is_visible(name: str) -> None:
     effect, case = ROWS[name], CASES[name]
     run = run_of(case.on)
     assert switches_of(run.scene)[effect.name].on

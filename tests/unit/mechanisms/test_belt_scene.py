@@ -193,7 +193,7 @@ def test_result_has_teeth_strands_and_lands() -> None:
     np.testing.assert_allclose(moment, 1000.0 * result.torque_Nm, rtol=2e-3, atol=0.0)
 
 
-def test_width_makes_no_difference_to_what_a_millimetre_carries() -> None:
+def test_width_does_not_change_the_load_per_millimetre() -> None:
     wide, narrow = (
         solved(),
         solved(
@@ -225,7 +225,7 @@ def test_torques_share_the_elements_and_one_may_be_none() -> None:
     assert loaded.cost["stages"]["sweep"]["counters"]["states"] == 2
 
 
-def test_estimate_is_what_finer_elements_change() -> None:
+def test_estimate_is_the_change_by_finer_elements() -> None:
     """Of the order of what elements half as long as those of the scene change."""
     changes = {"accuracy": {"flank_element_mm": 0.625, "estimate": True}}
     result = solved(**changes)
@@ -248,7 +248,7 @@ PER_POSITION = {
 
 
 @pytest.mark.parametrize("difference", [0.0, -20.0])
-def test_positions_tell_what_they_miss_of_the_saw(difference: float) -> None:
+def test_positions_estimate_their_error_of_the_saw(difference: float) -> None:
     """Against so many that both sides of its tooth are seen: 1/64 pitch from the place at most."""
     belt = {"wrapped_teeth": 5, "pitch_difference_um": difference}
     fine = solved(body_2=belt, positions={"count": 64})
@@ -265,7 +265,7 @@ def test_positions_tell_what_they_miss_of_the_saw(difference: float) -> None:
         assert result.estimate["dominant_source"]["transmission_error_peak_to_peak"] == "positions"
 
 
-def test_places_of_a_straight_saw_miss_what_can_be_reckoned() -> None:
+def test_positions_of_a_straight_saw_have_a_known_error() -> None:
     """Even positions of y = 2 + x from -1/2 to 1/2: peak to peak 1, mean 2."""
     for count in (3, 4, 9):
         at = (np.arange(count) + 0.5 * (count % 2)) / count - 0.5
@@ -281,7 +281,7 @@ def test_places_of_a_straight_saw_miss_what_can_be_reckoned() -> None:
         )
 
 
-def test_a_further_pitch_tells_nothing_new() -> None:
+def test_a_further_pitch_adds_nothing() -> None:
     one = positions_of(4, estimate=True)
     two = solved(
         positions={"count": 4, "pitches": 2},
@@ -295,7 +295,7 @@ def test_a_further_pitch_tells_nothing_new() -> None:
         )
 
 
-def test_what_is_between_single_angles_and_beside_one_is_not_told() -> None:
+def test_nothing_is_claimed_between_single_angles_and_beside_one() -> None:
     one = solved(accuracy={"estimate": True})
     some = solved(positions={"angles_deg": [0, 5]}, accuracy={"estimate": True})
     assert one.estimate is not None
@@ -305,7 +305,7 @@ def test_what_is_between_single_angles_and_beside_one_is_not_told() -> None:
     assert some.estimate["transmission_error_peak_to_peak"] > 0
 
 
-def test_elements_tell_at_least_what_they_miss() -> None:
+def test_estimate_of_elements_is_at_least_their_error() -> None:
     """Rows over the lands stayed as they were in the coarser mesh, and hid a third to all of it."""
     keys: dict[str, Any] = {"body_1": {"profile": "HTD"}}
     keys["body_2"] = {"wrapped_teeth": 5, "flank_angle_deg": None}
@@ -401,7 +401,7 @@ def test_round_teeth() -> None:
     assert result.rotation_rad[0] * result.reference_radius_mm > 0.075
 
 
-def test_pulley_that_yields() -> None:
+def test_elastic_pulley() -> None:
     """Its twist and its grooves add to the rotation; teeth share more evenly; estimates by body."""
     rigid = solved(body_1={"rigid": True, "bore_diameter_mm": 20}, accuracy={"estimate": True})
     assert np.array_equal(rigid.rotation_rad, solved().rotation_rad)
@@ -440,7 +440,7 @@ def test_estimate_knows_strands_over_grooves() -> None:
     assert off < result.estimate["transmission_error"] < 10 * off
 
 
-def test_estimate_of_a_pulley_that_yields_is_what_finer_elements_change() -> None:
+def test_estimate_of_an_elastic_pulley_is_the_change_by_finer_elements() -> None:
     body = ELASTIC | {"young_modulus_MPa": 1000}
     result = solved(body_1=body, accuracy={"flank_element_mm": 0.625, "estimate": True})
     finer = solved(body_1=body, accuracy={"flank_element_mm": 0.208, "estimate": False})
@@ -449,7 +449,7 @@ def test_estimate_of_a_pulley_that_yields_is_what_finer_elements_change() -> Non
     assert 0.5 * off < result.estimate["transmission_error"] < 10 * off
 
 
-def test_lands_rub_on_a_pulley_that_yields_and_lift_off_it() -> None:
+def test_lands_rub_on_an_elastic_pulley_and_lift_off_it() -> None:
     body = ELASTIC | {"young_modulus_MPa": 1000}
     for coefficient in (0.1, -0.1):
         result = solved(body_1=body, effects={"land_friction": coefficient})
@@ -462,7 +462,7 @@ def test_lands_rub_on_a_pulley_that_yields_and_lift_off_it() -> None:
     assert free.lands_N.min() > -1e-6
 
 
-def test_check_and_mesh_show_a_pulley_that_yields(
+def test_check_and_mesh_show_an_elastic_pulley(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["check", str(PLASTIC)]) == 0
@@ -572,6 +572,8 @@ def test_pictures_of_positions() -> None:
         assert PICTURES[name](result).axes
 
 
-def test_what_wants_two_bodies_with_flanks_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+def test_commands_that_need_two_bodies_with_flanks_say_so(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert main(["mesh", str(EXAMPLE), "-o", "."]) == 2
     assert "body_2.kind: expected bodies with flanks" in capsys.readouterr().err

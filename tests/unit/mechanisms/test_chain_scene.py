@@ -152,7 +152,7 @@ def test_result_of_the_example() -> None:
     assert result.cost["stages"]["sweep"]["counters"]["contact_passes"] == 64
 
 
-def test_estimate_is_what_following_the_rollers_changes() -> None:
+def test_estimate_is_the_change_by_following_the_rollers() -> None:
     result = solved()
     followed = solved(effects={"large_displacement": True})
     off = np.abs(followed.rotation_rad - result.rotation_rad).max() / result.rotation_rad.max()

@@ -285,7 +285,7 @@ RING = Ring(
     ],
     ids=["outwards", "inwards"],
 )
-def test_what_crosses_a_tooth_is_that_of_the_meshed_ring(body: Body) -> None:
+def test_compliance_across_a_tooth_is_that_of_the_meshed_ring(body: Body) -> None:
     mesh, span, n_modes = body.mesh, body.mode_range_mm, 3
     assert body.involute is not None
     loads = mode_loads(mesh, span, n_modes)

@@ -82,7 +82,7 @@ def test_everything_else_is_there(lumped: fl.Result, pairs: fl.Result) -> None:
     np.testing.assert_array_equal(lumped.potential_pairs, pairs.potential_pairs)
 
 
-def test_the_estimate_says_what_the_level_leaves(lumped: fl.Result, pairs: fl.Result) -> None:
+def test_the_estimate_contains_the_error_of_the_level(lumped: fl.Result, pairs: fl.Result) -> None:
     assert lumped.estimate is not None
     sources = lumped.estimate["by_source"]
     assert set(sources) == {"modes", "elements", "tip", "lumped", "positions"}  # no strips

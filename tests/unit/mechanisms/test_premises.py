@@ -92,7 +92,7 @@ def test_a_follower_that_turns_by_a_tenth_of_a_radian_is_refused() -> None:
     assert "of a radian under" in found.found
 
 
-def test_pressure_is_held_against_the_softer_body_that_yields() -> None:
+def test_pressure_is_compared_with_the_softer_elastic_body() -> None:
     """No gear reaches it before its teeth give way: a sweep with its peaks set says it of them."""
     scene = gears(body_1__rigid=True, body_1__young_modulus_MPa=1000)
     pair = build_bodies(scene)
@@ -302,7 +302,7 @@ def test_every_command_refuses_with_exit_2_and_one_line(
 
 
 @pytest.mark.parametrize("solved", [fl.plan, fl.accuracy, fl.verify], ids=lambda f: f.__name__)
-def test_functions_refuse_what_a_load_breaks(solved: Any) -> None:
+def test_functions_refuse_premises_broken_by_the_load(solved: Any) -> None:
     with pytest.raises(fl.PremiseError, match=r"load\.torque_Nm: expected flank deflections"):
         solved(gears(load__torque_Nm=10000))
 

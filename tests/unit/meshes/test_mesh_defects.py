@@ -216,7 +216,7 @@ def test_scene_with_the_file_gets_the_line_and_its_key(
 
 
 @pytest.mark.parametrize(("change", "expected", "found"), UNREADABLE)
-def test_check_of_what_is_no_plane_mesh_is_one_line(
+def test_check_of_a_file_without_a_plane_mesh_is_one_line(
     change: Change, expected: str, found: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = pinion(change, tmp_path)

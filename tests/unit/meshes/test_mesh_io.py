@@ -229,7 +229,7 @@ def test_second_material_and_constants_are_seen(tmp_path: Path) -> None:
         ("6, 2.0, 1.0", "6, 2.0, nan", "coordinates up to 1e+09 mm", "nan"),
     ],
 )  # fmt: skip
-def test_what_would_be_read_wrong_is_refused_by_its_line(
+def test_content_that_would_be_misread_is_refused_with_its_line(
     old: str, new: str, expected: str, found: str, tmp_path: Path
 ) -> None:
     assert old in QUADS

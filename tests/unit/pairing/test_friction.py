@@ -228,7 +228,7 @@ def result() -> fl.Result:
     return solved(effects=RUBS)
 
 
-def test_friction_stands_in_the_files_of_the_result(result: fl.Result, tmp_path: Path) -> None:
+def test_friction_is_in_the_files_of_the_result(result: fl.Result, tmp_path: Path) -> None:
     tree = json.loads(result.to_json())
     friction = tree["friction"]
     assert friction["driver"] == "body_1"

@@ -334,7 +334,7 @@ def test_lumped_contact_sees_the_growth() -> None:
     np.testing.assert_allclose(apart, 0.0, rtol=0, atol=LUMPED_UM)
 
 
-def test_counters_tell_what_grew() -> None:
+def test_counters_count_the_expansion() -> None:
     assert solved(torque=302.0).cost["fe_load_cases_growth"] == 0
     assert solved(("temperature_rise_K", 60.0), torque=302.0).cost["fe_load_cases_growth"] == 0
     held = solved(("temperature_rise_K", 60.0), ("support_expansion_per_K", 0.0))
@@ -410,7 +410,7 @@ def test_files_and_rigid_bodies_grow_as_a_whole(tmp_path: Path) -> None:
     assert fl.solve(rigid).cost["fe_factorisations"] == 1
 
 
-def test_rigid_bodies_say_what_they_leave_out() -> None:
+def test_rigid_bodies_name_the_missing_expansion() -> None:
     scene = fl.Scene.from_dict(
         {**PAIR, "body_2": {**TWO, "rigid": True}, "effects": {"speed_rpm": 100}}
     )
@@ -496,7 +496,7 @@ def test_another_program_gets_no_bodies_that_grow(capsys: pytest.CaptureFixture[
     assert "found [70.0, 50.0]" in said
 
 
-def test_a_report_tells_of_flanks_that_overlap_and_of_load_cases() -> None:
+def test_a_report_names_overlapping_flanks_and_load_cases() -> None:
     tight = solved(("temperature_rise_K", 150.0), ("support_expansion_per_K", 0.0), torque=10.0)
     assert "coast flanks        overlap of up to 9" in tight.table()
     assert "2 load cases of expansion" in tight.table()

@@ -89,7 +89,7 @@ def test_contact_ratio_on_both_involutes_inside_a_ring(blunt: dict) -> None:
     assert (mesh.usable_contact_ratio < mesh.contact_ratio - 0.05) == bool(blunt)
 
 
-def test_pair_zero_stands_in_the_pitch_point_at_position_zero() -> None:
+def test_pair_zero_is_at_the_pitch_point_at_position_zero() -> None:
     """The pitch point lies beyond the axis of body 1, seen from that of body 2."""
     found = pair()
     for body, turn, axis, radius in (

@@ -107,7 +107,7 @@ def test_contact_ratio_below_one_on_both_involutes_is_said() -> None:
     )
 
 
-def test_pair_zero_stands_in_the_pitch_point_at_position_zero() -> None:
+def test_pair_zero_is_at_the_pitch_point_at_position_zero() -> None:
     found = pair()
     pitch_radius = found.pairing.gear_geometry.pitch_radius_1_mm
     for body, turn, axis, radius in (

@@ -113,7 +113,7 @@ def test_shaft_and_hub_go_together(one: dict, two: dict) -> None:
     )
 
 
-def test_axes_stand_on_one_key_or_the_other() -> None:
+def test_axes_follow_from_one_key_or_the_other() -> None:
     error = refused(pair={"center_distance_mm": 1.0})
     assert error.key == "pair.center_distance_mm"
     assert "pair.center_offset_mm" in error.expected
@@ -263,7 +263,7 @@ def test_twice_the_offset_is_taken_off_the_backlash() -> None:
     ],
     ids=lambda value: "" if isinstance(value, dict) else None,
 )
-def test_what_cannot_be_put_together_gets_one_line(
+def test_splines_that_cannot_be_assembled_get_one_line(
     shaft: dict, hub: dict, key: str, says: str
 ) -> None:
     error = refused(shaft, hub)
@@ -285,7 +285,7 @@ def example() -> fl.Result:
     return solve(fl.read_scene(EXAMPLE))
 
 
-def test_every_tooth_stands_in_the_result(example: fl.Result) -> None:
+def test_every_tooth_is_in_the_result(example: fl.Result) -> None:
     np.testing.assert_array_equal(example.sites, np.arange(24))
     np.testing.assert_array_equal(example.loaded_pairs, (example.site_force_N > 0).sum(axis=1))
     assert 1 < example.loaded_pairs[0] < 24

@@ -331,14 +331,14 @@ def test_table_quotes_summary_estimate_cost_and_warnings() -> None:
 
 
 # --- warnings -------------------------------------------------------------------------------------
-def test_warnings_stand_before_the_table() -> None:
+def test_warnings_precede_the_table() -> None:
     lines = small_result().table().splitlines()
     (warning,) = (k for k, line in enumerate(lines) if line.startswith("warning  "))
     assert warning == 2
     assert lines[warning + 2].startswith("position")
 
 
-def test_warnings_of_several_torques_stand_once_before_all_tables() -> None:
+def test_warnings_of_several_torques_precede_all_tables_once() -> None:
     """Those that differ in numbers alone are one, in the words of the largest torque."""
     of_torque = {
         100.0: ("always", "at 3 of 8 positions body_1 works", "only here"),

@@ -240,7 +240,7 @@ def test_pairs_that_could_carry_are_those_on_the_path_and_those_that_do(external
     assert external.summary["contact_ratio_usable"] == pytest.approx(mesh.contact_ratio, rel=SOLVER)
 
 
-def test_contact_ratio_on_both_involutes_is_told_where_it_is_another_one(external: Result) -> None:
+def test_contact_ratio_on_both_involutes_is_shown_if_it_differs(external: Result) -> None:
     """Of 1.787 by the tip circles an undercut may leave less than one pair."""
     geometry = replace(external.geometry, contact_ratio=1.787, usable_contact_ratio=0.835)
     result = replace(external, geometry=geometry)
@@ -281,7 +281,7 @@ def test_stiffness_is_not_averaged_over_open_curves_or_without_torque() -> None:
     assert made_up_result(torque_Nm=0.0).summary[key] is None
 
 
-def test_secant_stiffness_is_not_claimed_where_body_1_stands_behind() -> None:
+def test_secant_stiffness_is_not_claimed_where_body_1_lags_behind() -> None:
     turned = np.linspace(-1e-4, 1e-3, 32)
     secant = made_up_result(rotation_rad=turned).stiffness_secant_Nm_per_rad
     assert (np.isnan(secant) == (turned <= 0)).all()

@@ -66,13 +66,13 @@ def test_each_row_is_a_field() -> None:
     assert [field.name for field in fields(Effects)] == list(ROWS)
 
 
-def test_each_key_stands_in_the_table() -> None:
+def test_each_key_is_in_the_table() -> None:
     known = {key for effect in EFFECTS for key in effect.keys}
     asked = {f"effects.{key}" for key in set(EffectsAsked.__struct_fields__) - NO_EFFECTS}
     assert asked <= known
 
 
-def test_excluded_effects_stand_in_the_table_both_ways() -> None:
+def test_excluded_effects_are_in_the_table_both_ways() -> None:
     for effect in EFFECTS:
         for other in effect.refused_with:
             assert other in excluded_by(effect)

@@ -83,7 +83,7 @@ def test_scene_does_not_change_its_dictionary() -> None:
     assert given == SCENE
 
 
-def test_name_of_the_file_stands_in_for_a_missing_name() -> None:
+def test_name_of_the_file_replaces_a_missing_name() -> None:
     scene = Scene.from_dict(changed(name=ABSENT), file="folder/my_pair.toml")
     assert scene.name == "my_pair"
     assert scene.folder == Path("folder")

@@ -120,7 +120,7 @@ def test_a_topography_in_mm_is_asked_about(tmp_path: Path) -> None:
     assert note.endswith("; 0.02 mm are 20 um)")
 
 
-def test_what_is_usual_or_left_out_is_not_asked_about() -> None:
+def test_usual_and_absent_values_raise_no_question() -> None:
     assert asked() == asked(**RELIEF) == {}
     assert asked(**{**RELIEF, "body_1__tip_relief_um": 0.0}) == {}
     for path in (*SCENES.glob("*.toml"), *ROOT.glob("benchmarks/*/scene.toml")):
@@ -156,7 +156,7 @@ def test_a_question_has_the_next_unit_in_which_a_value_is_usual(
         assert found == f"{words} (usual: 0.1 to 1)"
 
 
-def test_usual_ranges_stand_in_the_schema_within_what_is_allowed() -> None:
+def test_usual_ranges_are_in_the_schema_within_the_permitted_ones() -> None:
     """A default that would be asked about is none."""
     keys = 0
     for name, form in scene_schema()["$defs"].items():
@@ -181,7 +181,7 @@ def test_every_length_of_a_gear_has_a_usual_range() -> None:
             assert "usual" in (kind.extra_json_schema or {}), key
 
 
-def test_questions_stand_in_notes_of_bodies() -> None:
+def test_questions_are_in_notes_of_bodies() -> None:
     scene = fl.Scene.from_dict(changed(**{**RELIEF, "body_1__tip_relief_um": 0.02}))
     (note,) = question_notes(scene)
     assert note == (

@@ -431,7 +431,7 @@ def test_nodes_of_the_study_are_named_without_modes_and_strips(study: AccuracySt
         ("external_gear_mesh", False),
     ],
 )
-def test_nodes_stand_where_flanks_are_open_and_meshed(name: str, can: bool) -> None:
+def test_nodes_need_open_meshed_flanks(name: str, can: bool) -> None:
     assert can_be_nodal(example(name)) is can
 
 
@@ -578,14 +578,16 @@ def steps_of(values: list[float]) -> tuple[Reference, refinements.Refinements]:
     ],
     ids=["extrapolated", "turns", "slow", "slower", "two steps"],
 )
-def test_limit_is_in_doubt_by_what_its_ladder_leaves(values: list[float], doubt: float) -> None:
+def test_uncertainty_of_the_limit_is_the_rest_of_its_ladder(
+    values: list[float], doubt: float
+) -> None:
     found, _ = steps_of(values)
     for name in ("transmission_error", "transmission_error_mean"):
         assert found.doubts[name] == pytest.approx(doubt, rel=1e-6)
     assert found.doubts["load_share"] == 0.0
 
 
-def test_a_ladder_that_was_not_gone_leaves_what_the_default_does() -> None:
+def test_a_ladder_without_runs_leaves_the_error_of_the_default() -> None:
     found, ladders = steps_of([100.0, 101.0, 105.0])
     more = replace(ladders, ladders={**ladders.ladders, "modes": (3, 5)})
     (base,) = (run for discretization, run in found._done.items() if discretization == ladders.base)
@@ -596,7 +598,7 @@ def test_a_ladder_that_was_not_gone_leaves_what_the_default_does() -> None:
     assert Reference(found._done, fixed).doubts == found.doubts
 
 
-def test_what_errors_are_measured_against_is_not_named() -> None:
+def test_the_reference_run_is_not_named_cheapest() -> None:
     """The finest run was the cheapest one for 0.01 % on a belt, whose ladder converges slowly."""
     found, ladders = steps_of([100.0, 101.0, 102.5])
     rows = tuple(Row("flank_element_mm", run, found.errors(run)) for run in found._done.values())
@@ -677,7 +679,7 @@ def test_sharp_corner_is_named_with_its_pressure() -> None:
     assert corner_notes([]) == ()
 
 
-def test_what_stands_in_files_is_named() -> None:
+def test_data_from_files_are_named() -> None:
     (first, second) = file_notes(example("external_gear_mesh"))
     assert first == "body_1: its elements come from a file, whose own error is not included"
     assert second.startswith("body_2: its elements")
@@ -737,7 +739,7 @@ def stop_at(number: int) -> Callable[[str, int, int], None]:
     return tell
 
 
-def test_interrupted_study_keeps_what_is_done(short_ladders: None, tmp_path: Path) -> None:
+def test_interrupted_study_keeps_finished_runs(short_ladders: None, tmp_path: Path) -> None:
     path = tmp_path / "runs.jsonl"
     stopped = accuracy(small(), budget_s=ENOUGH, progress=stop_at(4), resume=path)
     assert stopped.interrupted

@@ -79,7 +79,7 @@ def test_sizes_are_those_of_two_runs(effect: str, near: float, *, on: bool) -> N
         {"body_2": {"wrapped_teeth": 1}},
     ],
 )
-def test_price_counts_what_the_run_counts(changes: dict[str, Any]) -> None:
+def test_predicted_counters_are_those_of_the_run(changes: dict[str, Any]) -> None:
     scene = scene_of(**changes)
     plan = fl.plan(scene)
     cost = first_of(scene, plan).cost
@@ -100,7 +100,7 @@ def test_price_counts_what_the_run_counts(changes: dict[str, Any]) -> None:
     assert plan.seconds > 0.0
 
 
-def test_a_pulley_that_yields_has_its_size_and_its_price() -> None:
+def test_an_elastic_pulley_has_its_size_and_its_cost() -> None:
     scene = scene_of(
         body_1={"rigid": False, "bore_diameter_mm": 20, "young_modulus_MPa": 1000},
         **POSITIONS,

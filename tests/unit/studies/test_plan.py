@@ -236,7 +236,7 @@ def test_finite_forces_are_small_and_dear() -> None:
     assert row.extra_s > 10 * plan.predicted["stages"]["sweep"]["cpu_s"]
 
 
-def test_what_is_on_and_what_is_off_have_one_size(plain_plan: Plan) -> None:
+def test_present_and_absent_effects_have_one_size(plain_plan: Plan) -> None:
     """The same effect seen from both sides: once left out, once put in."""
     off = plain_plan.effect("friction")
     on = fl.plan(scene_of(effects__friction_coefficient=0.1)).effect("friction")
@@ -341,7 +341,7 @@ def test_sizes_in_three_dimensions_are_those_of_two_runs(name: str) -> None:
     np.testing.assert_allclose(row.size.face_load_factor, change, rtol=FACTOR - 1, atol=0.01)
 
 
-def test_a_plane_scene_is_told_what_three_dimensions_change() -> None:
+def test_plan_of_a_plane_scene_gives_the_effect_of_three_dimensions() -> None:
     """Beside two runs at the default: +4.2 % of the rotation, K_Hbeta 1.02."""
     scene = scene_of(**QUIET)
     row = plan_of(dimension=True, **QUIET).effect("three_dimensions")
@@ -449,7 +449,7 @@ def test_slices_unknowns_and_states_are_counted_before_the_run(scene: fl.Scene) 
         assert plan.predicted["stages"][stage]["bytes"] == cost["stages"][stage]["bytes"]
 
 
-def test_what_a_three_dimensional_scene_cannot_have_is_said() -> None:
+def test_effects_without_three_dimensions_are_named() -> None:
     _, plan = spatial()
     assert not plan.effect("nodal_near_field").possible
     assert plan.effect("friction").size is not None
@@ -464,7 +464,7 @@ def test_what_a_three_dimensional_scene_cannot_have_is_said() -> None:
 
 
 # --- what is said ---------------------------------------------------------------------------------
-def test_what_is_off_and_matters_has_a_sentence(plain_plan: Plan) -> None:
+def test_absent_effects_that_matter_have_a_sentence(plain_plan: Plan) -> None:
     plan = plain_plan
     said = [effect.name for effect in plan.effects if effect.remark]
     assert said == ["thermal_growth", "friction"]
@@ -478,7 +478,7 @@ def test_what_is_off_and_matters_has_a_sentence(plain_plan: Plan) -> None:
     assert rubs in str(plan)
 
 
-def test_what_is_off_and_small_has_none() -> None:
+def test_small_absent_effects_have_none() -> None:
     plan = fl.plan(scene_of(accuracy__tolerance=0.1, load__torque_Nm=30, positions__count=8))
     friction = plan.effect("friction")
     assert friction.size is not None
@@ -509,7 +509,7 @@ def test_without_torque_sizes_are_lengths() -> None:
     assert "um" in str(plan)
 
 
-def test_a_size_that_cannot_be_told_says_why() -> None:
+def test_an_unknown_size_has_a_reason() -> None:
     plan = fl.plan(fl.read_scene(SCENES / "external_gear_compliance.toml"))
     friction = plan.effect("friction")
     assert friction.size is None
@@ -609,7 +609,7 @@ def test_an_effect_that_is_off_adds_nothing_to_the_counters(plain_plan: Plan) ->
     assert counters["influence_columns_tangential"] == 0
 
 
-def test_what_is_dearer_has_a_price(plain_plan: Plan) -> None:
+def test_more_expensive_choices_have_their_cost(plain_plan: Plan) -> None:
     plan = plain_plan
     for name in ("elastic_body_1", "friction", "root_stress", "several_torques"):
         row = plan.effect(name)
@@ -690,7 +690,7 @@ def test_a_size_and_a_quarter_agree_as_printed(size: float, tolerance: float, sa
     assert against_threshold(size, tolerance) == said
 
 
-def test_the_plan_of_a_choice_has_what_was_chosen() -> None:
+def test_the_plan_of_a_choice_has_the_chosen_effects() -> None:
     plan = fl.plan(scene_of(effects__choose="auto", effects__friction_coefficient=0.001))
     friction = plan.effect("friction")
     assert not friction.on
@@ -701,7 +701,7 @@ def test_the_plan_of_a_choice_has_what_was_chosen() -> None:
     assert "chosen by effects.choose: effects.friction_coefficient omitted" in str(plan)
 
 
-def test_what_contradicts_a_named_key_is_not_chosen() -> None:
+def test_effects_that_contradict_a_named_key_are_not_chosen() -> None:
     """Lumped contact has no strips: a scene that names their number keeps contact pairs."""
     knobs = {"accuracy__strips_per_half_width": 8, "accuracy__tolerance": 0.1}
     scene = scene_of(effects__choose="auto", positions__count=4, **knobs)
@@ -779,7 +779,7 @@ def test_command_prints_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(found["remarks"]) == 2
 
 
-def test_command_refuses_what_is_no_scene(
+def test_command_refuses_files_that_are_no_scene(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["plan", str(tmp_path / "none.toml")]) == 2

@@ -281,7 +281,7 @@ def test_pressure_on_sharp_corners_is_not_certain(met: fl.Result) -> None:
     assert report["met"] is False
 
 
-def test_what_no_estimate_certifies_is_missed_by_twice_the_tolerance(met: fl.Result) -> None:
+def test_uncertain_quantities_are_missed_beyond_twice_the_tolerance(met: fl.Result) -> None:
     """Of 17 pairs of gears that touched on tips, pressures had a third of their estimate."""
     uncertain = replace(met, estimate={**(met.estimate or {}), "uncertain": {"peak_pressure": ""}})
     for error, result, missed in (
@@ -418,7 +418,7 @@ def test_errors_that_add_up_with_their_signs_are_refined(met: fl.Result) -> None
     assert choice.foreseen["load_share"] <= AIM * 0.01
 
 
-def test_what_is_met_is_not_refined(met: fl.Result) -> None:
+def test_a_met_tolerance_is_not_refined(met: fl.Result) -> None:
     assert choose_discretization(*_one(attempt({"strips": 0.0099}, met)), 0.01) is None
 
 
@@ -430,7 +430,7 @@ def test_a_quantity_that_no_parameter_answers_for_asks_for_no_run(met: fl.Result
     assert choose_discretization(*_one(attempt({"tip": 0.03, "strips": 0.005}, met)), 0.01) is None
 
 
-def test_what_parameters_answer_for_is_refined_beside_what_they_do_not(met: fl.Result) -> None:
+def test_errors_of_parameters_are_refined_beside_other_errors(met: fl.Result) -> None:
     """Beside an error of tips that stayed, modes that left 1.5 % were left: 1.05 % were true."""
     parameters, run = attempt({"tip": 0.0174, "modes": 0.0145}, met)
     choice = choose_discretization(parameters, [run], 0.01)
@@ -451,7 +451,7 @@ def test_a_smaller_tolerance_never_chooses_less(met: fl.Result) -> None:
         before = choice.values
 
 
-def test_what_cannot_be_met_costs_no_more_than_a_few_runs(met: fl.Result) -> None:
+def test_an_unreachable_tolerance_costs_only_a_few_runs(met: fl.Result) -> None:
     """Far below what the finest elements reach: they are not all taken."""
     parameters, run = attempt({"elements": 1.0}, met)
     choice = choose_discretization(parameters, [run], 0.001)
@@ -548,7 +548,7 @@ def reasons(
     return str(one["why"])
 
 
-def test_a_miss_says_what_ends_it(met: fl.Result) -> None:
+def test_a_miss_names_its_limit(met: fl.Result) -> None:
     end, unlikely = (
         "the parameter is at its finest value",
         "no value of the parameter is likely to meet",
@@ -582,7 +582,7 @@ def test_a_miss_names_all_sources_that_exceed_the_tolerance(met: fl.Result) -> N
 
 
 # --- messages -------------------------------------------------------------------------------------
-def test_peak_to_peak_is_told_as_part_of_what() -> None:
+def test_peak_to_peak_names_its_reference() -> None:
     """A tolerance was met at 0.15 % below an estimate of 5 % of a small peak to peak."""
     tree = tomllib.loads((SCENES / "cam.toml").read_text(encoding="utf-8"))
     tree["positions"]["count"] = 12

@@ -235,7 +235,7 @@ def blocks_of(text: str) -> list[tuple[str, list[str]]]:
     return found
 
 
-def test_deck_says_what_the_arrays_say(deck: Deck) -> None:
+def test_deck_agrees_with_the_arrays(deck: Deck) -> None:
     blocks = blocks_of(deck_text(deck))
     node_lines = [line for key, data in blocks if key.startswith("*NODE") and "PRINT" not in key
                   for line in data]  # fmt: skip
@@ -292,7 +292,7 @@ def test_torque_is_that_of_a_millimetre_of_width(deck: Deck) -> None:
     np.testing.assert_allclose(float(load[0].split(",")[2]), 302e3 / 14, rtol=SOLVER, atol=0)
 
 
-def test_options_stand_in_the_deck(deck: Deck) -> None:
+def test_options_are_in_the_deck(deck: Deck) -> None:
     other = deck_text(
         replace(deck, plane="stress", large_displacement=True, title="*STEP\n*END STEP")
     )

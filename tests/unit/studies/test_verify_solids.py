@@ -199,7 +199,7 @@ def arc_lengths(body: Any, radii: np.ndarray) -> np.ndarray:
     return first
 
 
-def test_misalignment_opens_the_gap_by_what_flankload_takes(skewed: Deck) -> None:
+def test_misalignment_opens_the_gap_as_in_flankload(skewed: Deck) -> None:
     pair = build_bodies(SKEWED)
     assert pair.pairing.gear_geometry is not None
     angle = pair.pairing.gear_geometry.pressure_angle_rad
@@ -271,7 +271,7 @@ def blocks_of(text: str) -> list[tuple[str, list[str]]]:
     return found
 
 
-def test_deck_says_what_the_arrays_say(skewed: Deck) -> None:
+def test_deck_agrees_with_the_arrays(skewed: Deck) -> None:
     blocks = blocks_of(deck_text(skewed))
     rows = [row for key, data in blocks if key == "*NODE" for row in data]
     nodes = np.array([[float(x) for x in row.split(",")[1:]] for row in rows])
@@ -388,7 +388,7 @@ def test_table_compares_layers_with_the_slices_in_them(monkeypatch: pytest.Monke
          "effects.friction_coefficient: expected nothing, since solid decks have no friction"),
     ],
 )  # fmt: skip
-def test_what_the_deck_does_not_follow_is_refused(changes: dict[str, Any], line: str) -> None:
+def test_features_that_the_deck_lacks_are_refused(changes: dict[str, Any], line: str) -> None:
     with pytest.raises(SceneError, match=re.escape(line)):
         fl.verify(scene_of(**changes), run=False)
 

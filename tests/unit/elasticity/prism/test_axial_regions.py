@@ -228,7 +228,7 @@ def test_a_web_off_the_middle_couples_even_and_odd_modes() -> None:
     assert np.abs(middle.smooth[0, 0, 1]) < ROUND_OFF * middle.smooth[0, 0, 0]
 
 
-def test_narrower_webs_yield_more_and_wider_hubs_less() -> None:
+def test_narrower_webs_are_softer_and_wider_hubs_stiffer() -> None:
     def mean(web: float, hub: float) -> float:
         regions = (("web", (-web, web)), ("hub", (-hub, hub)))
         return float(_found(regions=regions).smooth[0, 0, 0])

@@ -259,7 +259,7 @@ def test_a_long_contact_line_is_a_line_load() -> None:
     assert found == pytest.approx(1 / apart + ends, rel=1e-6)
 
 
-def test_an_end_face_doubles_what_stands_on_it() -> None:
+def test_an_end_face_doubles_the_displacement_by_a_load_on_it() -> None:
     surface = _surface(end=(0.0, 1.3))
     at_end = surface.potential(2.0, 4.0, 3.0, 4.0)
     assert at_end == pytest.approx(2.3, rel=ROUND_OFF)

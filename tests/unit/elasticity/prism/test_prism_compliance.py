@@ -36,7 +36,7 @@ def _close(one: np.ndarray, two: np.ndarray, part: float) -> None:
 
 
 @pytest.mark.parametrize("twist", [0.0, TWIST])
-def test_it_obeys_betti_without_being_told(twist: float) -> None:
+def test_it_is_symmetric(twist: float) -> None:
     found = _found(twist=twist)
     assert found.job.asymmetry < ROUND_OFF
     smooth, teeth = found.smooth, BODY.teeth
@@ -150,12 +150,12 @@ def test_a_whole_mesh_is_refused() -> None:
         prism_compliance(replace(BODY, mesh=whole), COARSE, n_modes=3)
 
 
-def test_a_rigid_body_does_not_yield() -> None:
+def test_a_rigid_body_has_no_compliance() -> None:
     found = prism_compliance(replace(BODY, rigid=True), COARSE, n_modes=3)
     assert found.is_rigid
 
 
-def test_teeth_that_stand_inwards_yield_as_well() -> None:
+def test_internal_teeth_are_elastic_as_well() -> None:
     body = build_involute_body(ring(), "body_2", flank_element_mm=1.5)
     found = prism_compliance(body, Prism((0.0, 20.0), 0.002, 6, 2, 3), n_modes=3)
     assert found.job.asymmetry < ROUND_OFF
