@@ -9,14 +9,16 @@ module flankload_lumped_estimate
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
         & solve_contact_problem
+    use flankload_lumped_pass, only: keep_places
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
     use flankload_near_field, only: image_displacement
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state
+    use flankload_slice_field, only: flank_of, slices_type
     implicit none
     private
 
-    public :: estimate_forces
+    public :: estimate_forces, estimate_slices
 
     !> Number of passes for the half-width, whose logarithm enters: forces then change by less than
     !> 1 %.
@@ -25,7 +27,7 @@ module flankload_lumped_estimate
 contains
 
     !> Estimate forces and rotation.
-    subroutine estimate_forces(position, curvatures, torque, forces, rotation, state, error)
+    pure subroutine estimate_forces(position, curvatures, torque, forces, rotation, state, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Sums of the curvatures of both flanks [1/mm], shape (zones)
@@ -33,7 +35,7 @@ contains
         !> Torque on body 1 [N mm]
         real(wp), intent(in) :: torque
         !> Forces [N], shape (zones)
-        real(wp), allocatable, intent(out) :: forces(:)
+        real(wp), intent(out) :: forces(:)
         !> Rotation of body 1 [rad]
         real(wp), intent(out) :: rotation
         !> State, whose counters are increased
@@ -77,6 +79,64 @@ contains
         end do
         call count_lumped(pivots, state)
     end subroutine estimate_forces
+
+    !> Estimate the forces of slices, of which there may be many: at once, with contacts that are
+    !> all as wide as the widest one.
+    pure subroutine estimate_slices(position, slices, torque, forces, rotation, state, error)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> The slices
+        type(slices_type), intent(in) :: slices
+        !> Torque on body 1 [N mm]
+        real(wp), intent(in) :: torque
+        !> Forces [N], shape (zones)
+        real(wp), intent(out) :: forces(:)
+        !> Rotation of body 1 [rad]
+        real(wp), intent(out) :: rotation
+        !> State, whose counters are increased
+        type(position_state), intent(inout) :: state
+        !> Set if no state was found
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: z, first, flanks(size(forces))
+        logical :: solved, starts(size(forces))
+        real(wp) :: width, image, unused(2)
+        real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), 1)
+        real(wp) :: gaps(size(forces))
+        type(contact_result) :: contact
+
+        flanks = flank_of(slices, position%zones%site)
+        matrix = position%coupling
+        do z = 1, size(forces)
+            width = max(position%widest(z), least_half_width(position%flank_length))
+            call image_displacement(position%images(:, z), [width, width], image, unused)
+            matrix(z, z) = matrix(z, z) + image &
+                & + position%kernel(z)*(0.5_wp + log(2.0_wp/width))
+        end do
+        associate (side => position%zones%side, lever => position%zones%lever)
+            gaps = lever*position%gap
+            levers(:, 1) = side*lever
+            starts = .true.
+            if (all(side > 0.0_wp)) then
+                ! one flank alone would need a larger rotation of body 1: no contact touches beyond
+                first = minloc(position%gap, dim=1)
+                forces = merge(position%part*torque/lever, 0.0_wp, flanks == flanks(first))
+                starts = position%gap <= position%gap(first) &
+                    & + dot_product(forces, matmul(matrix, forces))/torque
+            end if
+        end associate
+        forces = merge(1.0_wp, 0.0_wp, starts)
+        call keep_places(matrix, gaps, levers(:, 1), levers(:, 1), torque, forces, rotation, solved)
+        if (.not. solved) then
+            call solve_contact_problem(matrix, gaps, levers, levers, [torque], symmetric_matrix, &
+                & method_single, pack([(z, z=1, size(forces))], starts), contact, error)
+            if (.not. allocated(error)) then
+                forces = contact%forces
+                rotation = contact%motion(1)
+            end if
+        end if
+        call count_lumped(contact%pivots, state)
+    end subroutine estimate_slices
 
     !> Limit the coupling of contacts that are closer to each other than their width: they act as
     !> one, and the displacement due to the force on the other contact cannot exceed that due to the

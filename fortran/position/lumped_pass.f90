@@ -42,10 +42,6 @@ module flankload_lumped_pass
         real(wp), allocatable :: tangential(:, :)
     end type lumped_system
 
-    !> Largest change of a force at convergence, relative to the largest force: the next Newton step
-    !> would be of the order of its square.
-    real(wp), parameter :: settled = 1.0e-8_wp
-
 contains
 
     !> Choose the contacts to be considered, and compute the compliance between them.
@@ -117,7 +113,7 @@ contains
     end function corner_turn
 
     !> Linearize the equations about the last forces, and solve them by the contact loop.
-    pure subroutine solve_pass(position, system, secant, forces, state, converged, error)
+    pure subroutine solve_pass(position, system, secant, forces, state, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Lumped contacts
@@ -128,8 +124,6 @@ contains
         real(wp), intent(inout) :: forces(:)
         !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
-        !> True if the forces have converged
-        logical, intent(out) :: converged
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
@@ -147,11 +141,11 @@ contains
         through_origin = secant .or. .not. last > 0.0_wp
         matrix = system%coupling
         load = system%torque
-        motions(:, 1) = system%places(system%of)%lever
-        call linearise(system%places(system%of), position%gap(system%of), state%rotation, &
-            & through_origin, matrix, gaps, load_rows(:, 1), load)
-        if (slides) call linearise_friction(system%places(system%of), system%tangential, &
-            & through_origin, matrix, gaps, load_rows(:, 1), load)
+        motions(:, 1) = position%zones(system%of)%side*system%places(system%of)%lever
+        call linearise(position, system, state%rotation, through_origin, matrix, gaps, &
+            & load_rows(:, 1), load)
+        if (slides) call linearise_friction(position, system, through_origin, matrix, gaps, &
+            & load_rows(:, 1), load)
         call solve_contact_problem(matrix, gaps, motions, load_rows, [load], &
             & merge(general_matrix, symmetric_matrix, slides), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
@@ -159,16 +153,15 @@ contains
         call take_contact(contact, slides, state, error)
         if (allocated(error)) return
         forces(system%of) = state%forces
-        converged = all(abs(state%forces - last) <= settled*maxval(state%forces))
     end subroutine solve_pass
 
     !> Add the tangential forces to the linearized equations.
-    pure subroutine linearise_friction(places, tangential, through_origin, matrix, gaps, load_row, &
+    pure subroutine linearise_friction(position, system, through_origin, matrix, gaps, load_row, &
             & load)
-        !> Lumped contacts, shape (n)
-        type(place_type), intent(in) :: places(:)
-        !> Normal displacement at contact i per unit force along flank 1 at j [mm/N], shape (n, n)
-        real(wp), intent(in) :: tangential(:, :)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Lumped contacts
+        type(lumped_system), intent(in) :: system
         !> True for secants through the origin instead of tangents, shape (n)
         logical, intent(in) :: through_origin(:)
         !> Compliance [mm/N], shape (n, n), gaps [mm] and levers of the torque row [mm], shape (n)
@@ -179,17 +172,20 @@ contains
         real(wp), intent(inout) :: load
 
         integer :: k
-        real(wp), dimension(size(places)) :: line, beside
+        real(wp), dimension(size(through_origin)) :: line, beside
 
-        call straighten(places%force, places%tangential, places%tangential_slope, through_origin, &
-            & line, beside)
-        do k = 1, size(places)
-            matrix(:, k) = matrix(:, k) + tangential(:, k)*line(k)
-        end do
-        gaps = gaps + matmul(tangential, beside)
-        load_row = load_row + places%lever_along*line + places%lever_along_slope*places%tangential
-        load = load - sum(places%lever_along*beside &
-            & - places%lever_along_slope*places%tangential*places%force)
+        associate (places => system%places(system%of), side => position%zones(system%of)%side)
+            call straighten(places%force, places%tangential, places%tangential_slope, &
+                & through_origin, line, beside)
+            do k = 1, size(places)
+                matrix(:, k) = matrix(:, k) + system%tangential(:, k)*line(k)
+            end do
+            gaps = gaps + matmul(system%tangential, beside)
+            load_row = load_row + side*(places%lever_along*line &
+                & + places%lever_along_slope*places%tangential)
+            load = load - sum(side*(places%lever_along*beside &
+                & - places%lever_along_slope*places%tangential*places%force))
+        end associate
     end subroutine linearise_friction
 
     !> Solve a pass for forces and rotation without a certificate, if only contacts that carried
@@ -207,26 +203,27 @@ contains
         logical, intent(out) :: solved
 
         real(wp) :: load
-        real(wp), dimension(size(system%of)) :: found, gaps, load_row
+        real(wp), dimension(size(system%of)) :: found, gaps, motion, load_row
         real(wp) :: matrix(size(system%of), size(system%of))
 
         found = forces(system%of)
         matrix = system%coupling
         load = system%torque
-        call linearise(system%places(system%of), position%gap(system%of), rotation, &
-            & .not. found > 0.0_wp, matrix, gaps, load_row, load)
-        call keep_places(matrix, gaps, system%places(system%of)%lever, load_row, load, found, &
-            & rotation, solved)
+        motion = position%zones(system%of)%side*system%places(system%of)%lever
+        call linearise(position, system, rotation, .not. found > 0.0_wp, matrix, gaps, load_row, &
+            & load)
+        call keep_places(matrix, gaps, motion, load_row, load, found, rotation, solved)
         if (solved) forces(system%of) = found
     end subroutine step_places
 
-    !> Linearize the equations of the contacts.
-    pure subroutine linearise(places, gap_angles, rotation, through_origin, matrix, gaps, &
+    !> Linearize the equations of the contacts. Levers are negative on coast flanks, which separate
+    !> if body 1 turns further.
+    pure subroutine linearise(position, system, rotation, through_origin, matrix, gaps, &
             & load_row, load)
-        !> Lumped contacts, shape (n)
-        type(place_type), intent(in) :: places(:)
-        !> Gap angles of the contacts [rad], shape (n)
-        real(wp), intent(in) :: gap_angles(:)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Lumped contacts
+        type(lumped_system), intent(in) :: system
         !> Last rotation [rad]
         real(wp), intent(in) :: rotation
         !> True for secants through the origin instead of tangents, shape (n)
@@ -234,29 +231,32 @@ contains
         !> Compliance between the contacts [mm/N]; their near fields are added to its diagonal,
         !> shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
-        !> Gaps [mm] and levers of the torque row [mm], shape (n)
+        !> Gaps, and levers in the torque row [mm], shape (n)
         real(wp), intent(out) :: gaps(:)
         real(wp), intent(out) :: load_row(:)
         !> Torque; on return, the right-hand side of the torque row [N mm]
         real(wp), intent(inout) :: load
 
         integer :: k
-        real(wp), dimension(size(places)) :: line, beside
+        real(wp), dimension(size(through_origin)) :: line, beside, open
 
-        gaps = places%lever*gap_angles
-        load_row = places%torque_lever
-        call straighten(places%force, places%approach, places%approach_slope, through_origin, &
-            & line, beside)
-        ! levers also depend on the force: this effect is of the order of the tolerance, but it
-        ! matters for the derivatives
-        line = line + places%lever_slope*(gap_angles - rotation)
-        beside = beside - places%lever_slope*(gap_angles - rotation)*places%force
-        load_row = load_row + places%torque_lever_slope*places%force
-        load = load + sum(places%torque_lever_slope*places%force**2)
-        do k = 1, size(places)
-            matrix(k, k) = matrix(k, k) + line(k)
-        end do
-        gaps = gaps + beside
+        associate (places => system%places(system%of), side => position%zones(system%of)%side)
+            gaps = places%lever*position%gap(system%of)
+            load_row = side*places%torque_lever
+            call straighten(places%force, places%approach, places%approach_slope, &
+                & through_origin, line, beside)
+            ! levers also depend on the force: this effect is of the order of the tolerance, but it
+            ! matters for the derivatives
+            open = position%gap(system%of) - side*rotation
+            line = line + places%lever_slope*open
+            beside = beside - places%lever_slope*open*places%force
+            load_row = load_row + side*places%torque_lever_slope*places%force
+            load = load + sum(side*places%torque_lever_slope*places%force**2)
+            do k = 1, size(places)
+                matrix(k, k) = matrix(k, k) + line(k)
+            end do
+            gaps = gaps + beside
+        end associate
     end subroutine linearise
 
     !> Solve for the contacts that carry load, drop those with tensile forces until none is left,

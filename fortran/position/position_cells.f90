@@ -72,7 +72,7 @@ contains
         cells%included = included
         cells%estimate = estimate
         cells%least = least_load_share*torque/position%zones%lever
-        cells%in_slices = allocated(position%part)
+        cells%in_slices = position%in_slices
         if (cells%in_slices) cells%least = slice_part/least_load_share*position%part*cells%least
         if (any(position%zones%side < 0.0_wp)) then
             ! flanks that are pressed against each other across a tooth carry more than the torque

@@ -8,7 +8,6 @@ module flankload_position_load
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_estimate, only: estimate_forces
     use flankload_lumped_position, only: solve_lumped
-    use flankload_lumped_slices, only: solve_slices
     use flankload_slice_coupling, only: check_slices, couple_slices
     use flankload_slice_field, only: flank_of
     use flankload_mesh, only: body_type, level_lumped, mesh_type
@@ -17,8 +16,8 @@ module flankload_position_load
         & measure_reach, new_cells, reached_curvatures
     use flankload_known_contact, only: known_contact, solve_known
     use flankload_pair_forces, only: solve_pairs
-    use flankload_position_state, only: blank_state, inclusion_margin, note_ends, &
-        & position_state, presses_across, unloaded_state, would_touch
+    use flankload_position_state, only: blank_state, may_touch, note_ends, position_state, &
+        & presses_across, unloaded_state, would_touch
     implicit none
     private
 
@@ -129,10 +128,8 @@ contains
         call blank_state(size(bodies(1)%site_angles), state)
         if (torque <= 0.0_wp .and. .not. presses_across(position)) then
             call unloaded_state(position, state)
-        else if (allocated(meshes(1)%slices) .and. meshes(1)%grid%level == level_lumped) then
-            call solve_slices(bodies, meshes, torque, position, state, error)
         else if (meshes(1)%grid%level == level_lumped) then
-            call solve_lumped(bodies, meshes, position, torque, state, error)
+            call solve_lumped(bodies, meshes, torque, position, state, error)
         else
             call solve_load(bodies, meshes, position, torque, contact, state, error)
         end if
@@ -243,16 +240,15 @@ contains
         !> Set if the lumped contact has no solution
         type(error_type), allocatable, intent(out) :: error
 
-        real(wp), allocatable :: estimate(:), curvatures(:)
+        real(wp), dimension(size(position%zones)) :: estimate, curvatures
         real(wp) :: rotation
 
-        associate (zones => position%zones, gap => position%gap)
+        associate (zones => position%zones)
             call estimate_forces(position, zones%curvature, torque, estimate, rotation, state, &
                 & error)
             if (allocated(error)) return
-            cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. gap &
-                & < zones%side*rotation + inclusion_margin*maxval(zones%side*rotation - gap), &
-                & mesh%grid)
+            cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
+                & .or. may_touch(position, rotation), mesh%grid)
             call measure_reach(position, cells)
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > curvature_tolerance*curvatures)) then
@@ -281,12 +277,12 @@ contains
         !> Set if the lumped contact has no solution
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: k
+        integer :: k, first
         real(wp) :: estimate(size(position%zones))
         type(position_state) :: lumped
 
         call blank_state(size(bodies(1)%site_angles), lumped)
-        call solve_slices(bodies, meshes, torque, position, lumped, error)
+        call solve_lumped(bodies, meshes, torque, position, lumped, error)
         state%pivots = state%pivots + lumped%pivots
         state%lumped_solutions = state%lumped_solutions + lumped%lumped_solutions
         state%largest_part = lumped%largest_part
@@ -303,14 +299,14 @@ contains
             ! flank that touches first
             deallocate (error)
             associate (flanks => flank_of(meshes(1)%slices, position%zones%site))
-                where (flanks == flanks(minloc(position%gap, dim=1))) estimate &
-                    & = position%part*torque/position%zones%lever
+                first = minloc(position%gap, dim=1, mask=position%zones%side > 0.0_wp)
+                where (flanks == flanks(first)) estimate = position%part*torque &
+                    & /position%zones%lever
             end associate
-            lumped%rotation = minval(position%gap)
+            lumped%rotation = position%gap(first)
         end if
-        cells = new_cells(position, torque, estimate, estimate > 0.0_wp .or. position%gap &
-            & < lumped%rotation + inclusion_margin*(lumped%rotation - minval(position%gap)), &
-            & meshes(1)%grid)
+        cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
+            & .or. may_touch(position, lumped%rotation), meshes(1)%grid)
         call measure_reach(position, cells)
     end subroutine expect_in_slices
 

@@ -12,9 +12,8 @@ module flankload_position_state
 
     public :: position_state
     public :: not_parabolic
-    public :: inclusion_margin
     public :: blank_state, take_contact, unloaded_state, would_touch, count_lumped, note_ends
-    public :: presses_across
+    public :: may_touch, presses_across
 
     !> Values of site_corner without contact on a corner: first touch without torque; lumped contact
     !> that is not parabolic, near a kink, a rounding or an end; cut end of a flank that would
@@ -158,6 +157,20 @@ contains
         state%pivots = state%pivots + pivots
         state%lumped_solutions = state%lumped_solutions + 1
     end subroutine count_lumped
+
+    !> Return whether each zone may touch at an estimated rotation, and needs an unknown.
+    pure function may_touch(position, rotation) result(touches)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Estimated rotation [rad]
+        real(wp), intent(in) :: rotation
+        logical :: touches(size(position%zones))
+
+        real(wp) :: closed(size(position%zones))
+
+        closed = position%zones%side*rotation
+        touches = position%gap < closed + inclusion_margin*maxval(closed - position%gap)
+    end function may_touch
 
     !> Return whether each zone would touch: its gap is closed by the rotation and by the
     !> displacement due to forces on other sites (which can be towards the mate: a tooth on a thin

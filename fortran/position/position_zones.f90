@@ -55,8 +55,11 @@ module flankload_position_zones
         real(wp), allocatable :: widest(:)
         !> Distance from its line at which the load of a slice acts [mm]
         real(wp) :: beside = 0.0_wp
-        !> Share of a slice in a load that is spread evenly along the face width, shape (zones)
+        !> Share of a slice in a load that is spread evenly along the face width, 1 in the plane,
+        !> shape (zones)
         real(wp), allocatable :: part(:)
+        !> True if the zones are slices of flanks
+        logical :: in_slices = .false.
         !> Mirror images of the zones behind the ends of flank 1 and of flank 2, shape (2, zones)
         type(image_type), allocatable :: images(:, :)
         !> Length of flank 1 [mm]: reference for small lengths and curvatures
@@ -124,7 +127,8 @@ contains
         end if
         position%gap = gaps_without_load(bodies, position%deviation, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
-        if (.not. allocated(meshes(1)%slices)) then
+        position%in_slices = allocated(meshes(1)%slices)
+        if (.not. position%in_slices) then
             call couple_zones(bodies(1)%compliance, bodies(2)%compliance, position)
         end if
     end subroutine locate_contacts
@@ -307,6 +311,7 @@ contains
 
         n = size(position%zones)
         allocate (position%kernel(n), source=body_1%kernel + body_2%kernel)
+        allocate (position%part(n), source=1.0_wp)
         associate (found => position%zones)
             smooth_1 = smooth_compliance(body_1, found%site, found%nearest%s_1)
             smooth_2 = smooth_compliance(body_2, found%site, found%nearest%s_2)

@@ -4,7 +4,7 @@ module flankload_recorded_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_input
-    use flankload_mesh, only: body_type, level_lumped, mesh_type
+    use flankload_mesh, only: body_type, mesh_type
     use flankload_body_record, only: body_mark, counts_in, counts_type, is_record, mesh_mark, &
         & mesh_parts, part_axial, part_mesh, place_in, record_length, start_record, write_part
     use flankload_known_contact, only: known_contacts
@@ -58,7 +58,6 @@ contains
         n = counts_in(mesh)
         if (n%sites /= n_sites) info = -7
         if (has_mesh_parts(record_2)) info = -11
-        if (meshes(1)%grid%level == level_lumped .and. allocated(meshes(1)%sides)) info = -7
         call check_bodies(bodies, meshes(1), n_sites, info)
         n_speeds = merge(size(motion, 2), 0, allocated(meshes(1)%friction))
         if (.not. all(ieee_is_finite(motion(3:, :n_speeds)))) info = -4

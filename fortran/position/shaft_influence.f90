@@ -33,15 +33,17 @@ contains
         type(directed_type) :: at
 
         integer :: k
-        real(wp) :: tangent(2)
+        real(wp) :: tangent(2), mirror(2)
 
         at = reserved(size(zones))
         do k = 1, size(zones)
             associate (place => zones(k)%nearest)
                 tangent = place%tangent_1
                 if (abs(zones(k)%corner) == 1) tangent = place%tangent_2
-                call direct(place%point_1, middle_of(slices, zones(k)%site), zones(k)%twist, &
-                    & [-tangent(2), tangent(1)], k, at)
+                ! coast flanks are found in the mirror image about the line of centres
+                mirror = [1.0_wp, zones(k)%side]
+                call direct(mirror*place%point_1, middle_of(slices, zones(k)%site), zones(k), &
+                    & mirror*[-tangent(2), tangent(1)], k, at)
             end associate
         end do
     end function directed_zones
@@ -61,7 +63,7 @@ contains
         at = reserved(pairs%n)
         do i = 1, pairs%n
             call direct(pairs%point(:, i), middle_of(slices, pairs%site(i)), &
-                & zones(pairs%zone(i))%twist, pairs%normal(:, i), i, at)
+                & zones(pairs%zone(i)), pairs%normal(:, i), i, at)
         end do
     end function directed_pairs
 
@@ -75,12 +77,12 @@ contains
     end function reserved
 
     !> Set a point and its directions: the normal of a flank of constant twist.
-    pure subroutine direct(point, z, twist, normal, k, at)
+    pure subroutine direct(point, z, zone, normal, k, at)
         !> Point in the transverse plane, and its axial position [mm]
         real(wp), intent(in) :: point(2)
         real(wp), intent(in) :: z
-        !> Twist of the flank [rad/mm]
-        real(wp), intent(in) :: twist
+        !> Zone of the point
+        type(zone_type), intent(in) :: zone
         !> Unit normal of the profile, of either sign
         real(wp), intent(in) :: normal(2)
         !> Index of the point
@@ -90,14 +92,15 @@ contains
 
         real(wp) :: lever, n(2)
 
-        ! sign such that the lever about axis 1 is positive on all flanks
+        ! sign such that the lever about axis 1 is positive on working flanks, negative on coast
+        ! flanks
         lever = cross(point, normal)
-        n = sign(1.0_wp, lever)*normal
+        n = sign(1.0_wp, zone%side*lever)*normal
         lever = abs(lever)
         at%point(:, k) = [point, z]
-        at%normal(:, k) = part_in_section(twist, lever)*[n, -twist*lever]
-        ! n is t rotated by +90 degrees
-        at%along(:, k) = [n(2), -n(1), 0.0_wp]
+        at%normal(:, k) = part_in_section(zone%twist, lever)*[n, -zone%twist*lever]
+        ! n is t rotated by +90 degrees, on coast flanks by -90 degrees
+        at%along(:, k) = zone%side*[n(2), -n(1), 0.0_wp]
     end subroutine direct
 
     !> Return unit forces and their moments about the section of a shaft.

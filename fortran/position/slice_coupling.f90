@@ -7,7 +7,7 @@ module flankload_slice_coupling
     use flankload_error, only: error_type, fatal_error
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_zones, only: zone_type
-    use flankload_lumped_hertz, only: hertz_half_width, usual_half_width
+    use flankload_lumped_hertz, only: hertz_half_width, least_half_width, usual_half_width
     use flankload_near_field, only: new_image
     use flankload_polar_geometry, only: part_in_section
     use flankload_mesh, only: body_type, level_pairs, mesh_type
@@ -68,7 +68,7 @@ contains
         n = size(position%zones)
         allocate (position%images(2, n))
         associate (zones => position%zones)
-            zones%twist = meshes(1)%twist
+            zones%twist = zones%side*meshes(1)%twist
             zones%cosine = part_in_section(zones%twist, zones%lever)
             zones%length = width_of(meshes(1)%slices, zones%site)/zones%cosine
             zones%lever = zones%lever*zones%cosine
@@ -149,7 +149,7 @@ contains
 
         associate (zones => position%zones, edges => meshes(1)%slices%edges)
             position%part = width_of(meshes(1)%slices, zones%site)/(edges(size(edges)) - edges(1))
-            z = minloc(position%gap, dim=1)
+            z = minloc(position%gap, dim=1, mask=zones%side > 0.0_wp)
             call spread_loads(bodies, meshes, hertz_half_width(position%part(z)*torque &
                 & /zones(z)%lever, zones(z)%curvature, position%kernel(z), &
                 & position%flank_length), position)
@@ -192,7 +192,8 @@ contains
         integer :: z
 
         associate (zones => position%zones, slices => meshes(1)%slices, beside => position%beside)
-            beside = 0.5_wp*half_width
+            ! flanks may be pressed against each other without torque
+            beside = 0.5_wp*max(half_width, least_half_width(position%flank_length))
             position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)
             position%coupling = position%smooth
             ! Eq. (S2), (S3) of docs/theory/slices.md

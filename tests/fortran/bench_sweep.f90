@@ -145,6 +145,7 @@ contains
             call locate_contacts(bodies, meshes, angles, torque, .true., position, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_zones))
+            allocate (estimate(size(position%zones)))
             call estimate_forces(position, position%zones%curvature, torque, estimate, rotation, &
                 & states(1), error)
             if (allocated(error)) error stop 1

@@ -795,7 +795,7 @@ contains
         real(wp), parameter :: kernel = 1.0e-5_wp, force = 100.0_wp, lever = 2.0_wp
         real(wp), parameter :: half_width = 0.2_wp
         real(wp) :: rotation, approach
-        real(wp), allocatable :: forces(:)
+        real(wp) :: forces(1)
         type(position_type) :: position
         type(position_state) :: state
         type(error_type), allocatable :: error

@@ -442,7 +442,7 @@ contains
         real(wp), parameter :: twist = 0.01_wp, distance = 90.0_wp
         integer :: i, j, z
         real(wp) :: angle, lever, cosine, n_t(2), place(3), matrix(n, n), w(6, n), random(6, 6)
-        real(wp) :: t(6, n), rubbed(n, n)
+        real(wp) :: t(6, n), rubbed(n, n), mirror(2)
         type(body_type) :: bodies(2)
         type(mesh_type) :: meshes(1)
         type(position_type) :: position
@@ -482,10 +482,14 @@ contains
                 lever = pair%point_1(1)*n_t(2) - pair%point_1(2)*n_t(1)
                 n_t = sign(1.0_wp, lever)*n_t
                 zone%lever = abs(lever)
+                if (i == n) zone%side = -1.0_wp
                 cosine = 1.0_wp/sqrt(1.0_wp + (twist*lever)**2)
                 w(:3, i) = cosine*[n_t(1), n_t(2), -twist*abs(lever)]
                 ! The normal is the tangent rotated to the left.
                 t(:3, i) = [n_t(2), -n_t(1), 0.0_wp]
+                ! A coast flank is the mirror image of what is found, of a flank twisted otherwise.
+                if (i == n) w(2:3, i) = -w(2:3, i)
+                if (i == n) t(2, i) = -t(2, i)
             end associate
         end do
         call couple_slices(bodies, meshes, position)
@@ -493,7 +497,8 @@ contains
         rubbed = 0.0_wp
         do z = 1, 2
             do i = 1, n
-                place = [position%zones(i)%nearest%point_1 - meshes(1)%axes(:, z), &
+                mirror = [1.0_wp, position%zones(i)%side]
+                place = [mirror*position%zones(i)%nearest%point_1 - meshes(1)%axes(:, z), &
                     & middle_of(meshes(1)%slices, site(i)) - bodies(z)%shaft%z]
                 w(4, i) = place(2)*w(3, i) - place(3)*w(2, i)
                 w(5, i) = place(3)*w(1, i) - place(1)*w(3, i)

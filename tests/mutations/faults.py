@@ -69,7 +69,19 @@ _FORTRAN = (
         ("3.0_wp*distance**2 - apart**2", "3.0_wp*distance**2 + apart**2"),
     ),
     *_in(
-        "lumped_position.f90",
+        "lumped_contacts.f90",
+        "unit/mechanisms/test_coast_flank.py",
+        ("if (zone%side < 0.0_wp) call take_out_of_mirror(k, pairs)", ""),
+        ("zone%side*position%speeds", "position%speeds"),
+    ),
+    *_in(
+        "shaft_influence.f90",
+        "core",
+        ("at%along(:, k) = zone%side*[", "at%along(:, k) = ["),
+        ("sign(1.0_wp, zone%side*lever)", "sign(1.0_wp, lever)"),
+    ),
+    *_in(
+        "lumped_contacts.f90",
         "physics/test_shafts.py",
         ("min(place%reach, 2.0_wp*position%beside)", "min(place%reach, 20.0_wp*position%beside)"),
     ),
@@ -116,7 +128,7 @@ _FORTRAN = (
     *_in(
         "shaft_influence.f90",
         "physics/test_shafts.py physics/test_cells_in_three_dimensions.py",
-        ("[n, -twist*lever]", "[n, twist*lever]"),
+        ("[n, -zone%twist*lever]", "[n, zone%twist*lever]"),
         ("[axis, shaft%z]", "[0.0_wp, 0.0_wp, shaft%z]"),
     ),
     *_in(
@@ -128,7 +140,6 @@ _FORTRAN = (
         "shaft_influence.f90",
         "core",
         ("if (abs(zones(k)%corner) == 1) tangent = place%tangent_2\n", "\n"),
-        ("n = sign(1.0_wp, lever)*normal", "n = normal"),
         ("            do i = 1, j\n", "            do i = 1, size(wrenches, 2)\n"),
     ),
     *_in(
@@ -167,7 +178,7 @@ _FORTRAN = (
         ("%curve%stretched = .true.", "%curve%stretched = .false."),
     ),
     *_in(
-        "lumped_slices.f90",
+        "lumped_position.f90",
         "physics/test_slices.py",
         ("settled = 1.0e-6_wp", "settled = 1.0e-1_wp"),
     ),

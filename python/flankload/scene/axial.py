@@ -42,7 +42,7 @@ PLANE_EFFECTS = {
     "body": "three-dimensional bodies with all their teeth",
     "support_expansion_per_K": "bodies that expand as their supports do",
     "speed_rpm": "centrifugal expansion of plane bodies only",
-    "coast_flank": "slices on working flanks only",
+    "coast_flank": "elements of working flanks only",
 }
 #: Further ones of splines, whose slices conform over their height.
 PLANE_EFFECTS_OF_SPLINES = {

@@ -505,7 +505,6 @@ SIDES = ("sides", [1.0, -1.0])
         (11, [], [], {"settings": np.array([10.0, 30.0, 2.5, 2.0, 0.0])}),
         (11, [], [], {"settings": np.array([10.0, 30.0, 2.5, 0.5, 0.0])}),
         (11, [], [], {"settings": np.array([10.0, 30.0, 2.5, 0.0, -1.0])}),
-        (11, [SIDES], [], {"settings": np.array([10.0, 30.0, 2.5, 1.0, 0.0])}),
         (12, [], [], {"n_columns": 13}),
         (12, [FRICTION], [], {}),
     ],
@@ -611,15 +610,16 @@ def mesh_of(
     return record
 
 
-def mesh_info(
+def sweep_of_mesh(
     mesh: NDArray[np.float64], *bodies: NDArray[np.float64], **changes: Any
-) -> tuple[int, NDArray[np.float64]]:
-    """As `sweep_info`, with a record of the mesh."""
-    unknown = np.zeros((1, 1), dtype=np.intc)
+) -> tuple[Any, ...]:
+    """Outputs of `flankload_sweep_mesh`; body 2 is body 1 turned over."""
+    torques = changes.get("torques", np.array([3600.0]))
+    unknown = np.zeros((1, torques.size), dtype=np.intc, order="F")
     arguments: dict[str, Any] = {
         "n_sites": SITES,
         "motion": np.array([[0.0], [np.pi], [1.0], [-1.0]], order="F"),
-        "torques": np.array([3600.0]),
+        "torques": torques,
         "mesh": mesh,
         "record_1": bodies[0],
         "record_2": bodies[1],
@@ -631,7 +631,15 @@ def mesh_info(
         "n_known": unknown,
         "first_known": unknown,
     }
-    outputs = _core.flankload_sweep_mesh(*(arguments | changes).values())
+    found: tuple[Any, ...] = _core.flankload_sweep_mesh(*(arguments | changes).values())
+    return found
+
+
+def mesh_info(
+    mesh: NDArray[np.float64], *bodies: NDArray[np.float64], **changes: Any
+) -> tuple[int, NDArray[np.float64]]:
+    """As `sweep_info`, with a record of the mesh."""
+    outputs = sweep_of_mesh(mesh, *bodies, **changes)
     return int(outputs[-1]), outputs[1]
 
 
@@ -698,3 +706,38 @@ def test_records_of_bodies_and_meshes_are_not_exchanged() -> None:
     assert _core.flankload_pack_mesh(SITES + 1, AXES, 0.0, np.array(SETTINGS), long) == 0
     assert mesh_info(long, body, body)[0] == -7
     assert sweep_info(body, body, center_distance=NAN)[0] == -5
+
+
+def test_slices_carry_on_both_flanks() -> None:
+    """Lumped contacts beside cells; pressed by 10 um, with and without torque, helical, on a shaft.
+
+    Sites 1 and 2 are slices of the working flank, 3 and 4 of the coast flank. Without torque and
+    without twist, both flanks are mirror images of each other.
+    """
+    block = np.ones((4, 4), dtype=np.intc, order="F")
+    for twist in (0.0, 2e-3):
+        axial = [*AXIAL[:3], twist, *AXIAL[4:]]
+        turns = twist * np.array([-0.5, 0.5, 0.5, -0.5])  # mirrored on coast flanks
+        bodies = [
+            record_of(
+                ("axial", axial if z == 1 else [*axial[:3], -twist, *axial[4:]]),
+                ("shaft", SHAFT),
+                site_angles=turns if z == 1 else -turns,
+                deviations=np.full(4, 5e-3),
+                block=block,
+            )
+            for z in (1, 2)
+        ]
+        forces = {}
+        for level in (0.0, 1.0):
+            settings = np.array([*SETTINGS[:3], level, 0.0])
+            mesh = np.empty(300)
+            assert _core.flankload_pack_mesh(4, AXES, twist, settings, mesh) == 0
+            assert part_info("slices", [-1.0, 0.0, 1.0], mesh) == 0
+            assert part_info("sides", [1.0, 1.0, -1.0, -1.0], mesh) == 0
+            outputs = sweep_of_mesh(mesh, *bodies, n_sites=4, torques=np.array([0.0, 3600.0]))
+            assert outputs[-1] == 0
+            forces[level] = outputs[5][:, 0, :]
+        np.testing.assert_allclose(forces[1.0], forces[0.0], rtol=2e-2)
+        if not twist:
+            np.testing.assert_allclose(forces[1.0][:2, 0], forces[1.0][2:, 0], rtol=SOLVER)

@@ -37,6 +37,8 @@ TIGHT = {**EXTERNAL, "pair": {**EXTERNAL["pair"], "center_distance_mm": 91.49}}
 
 #: Rings closed from one sector against meshed ones.
 CLOSURE = 1e-10
+#: Lumped contacts beside pairs on cells.
+LUMPED = 5e-3
 #: Pairs by their own normals, not by that of their contact, on their own row levers.
 ORACLE = 1e-3
 #: Forces at the points of flank 1 along their normals, about either axis: what pairing on circles
@@ -409,12 +411,22 @@ def test_root_stress_is_refused_beside_it() -> None:
     )
 
 
-def test_lumped_contact_is_refused_beside_it() -> None:
-    both = {"effects": {"coast_flank": True, "contact": "lumped"}}
-    assert refused(EXTERNAL, 1.0, **both) == (
-        "effects.contact: expected 'pairs' with effects.coast_flank: lumped contact has working "
-        "flanks only, found 'lumped'"
+@pytest.mark.parametrize(("torque_Nm", "friction"), [(0.0, 0.0), (100.0, 0.0), (50.0, 0.08)])
+def test_lumped_contacts_carry_on_both_flanks(torque_Nm: float, friction: float) -> None:
+    """Regression: refused. Pressed against each other as on cells, also without torque."""
+    rubs = {"friction_coefficient": friction} if friction else {}
+    cells, lumped = (
+        solved(TIGHT, torque_Nm, count=4, effects={"coast_flank": True, **model, **rubs})
+        for model in ({}, {"contact": "lumped"})
     )
+    force = cells.site_force_N.max()
+    assert cells.coast_force_N is not None
+    assert lumped.coast_force_N is not None
+    assert cells.coast_force_N.max() > 0.3 * force
+    np.testing.assert_allclose(lumped.rotation_rad, cells.rotation_rad, rtol=LUMPED)
+    for name in ("site_force_N", "coast_force_N"):
+        found, wanted = getattr(lumped, name), getattr(cells, name)
+        np.testing.assert_allclose(found, wanted, rtol=0.0, atol=LUMPED * force)
 
 
 def test_a_press_fit_has_its_limits() -> None:

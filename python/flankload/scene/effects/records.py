@@ -130,8 +130,6 @@ EFFECTS = (
             "resolved contact",
             "finite_influence": "'pairs' with effects.influence 'finite': finite forces need "
             "resolved contact",
-            "coast_flanks": "'pairs' with effects.coast_flank: lumped contact has working flanks "
-            "only",
         },
         refused_for={
             "spline_shaft": "'pairs' with body_1.kind 'spline_shaft': its flanks conform, and "
