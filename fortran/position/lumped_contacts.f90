@@ -13,10 +13,11 @@ module flankload_lumped_contacts
     use flankload_lumped_pass, only: lumped_system
     use flankload_lumped_place, only: near_field_of, reach_of, slide_place
     use flankload_position_zones, only: position_type
+    use flankload_slice_coupling, only: half_width_of
     implicit none
     private
 
-    public :: differentiate_levers, follow_places, take_parabolas, update_contacts
+    public :: differentiate_levers, follow_places, take_parabolas, update_contacts, widest_contact
 
 contains
 
@@ -35,8 +36,7 @@ contains
             associate (z => system%of(k), place => system%places(system%of(k)), &
                 & zone => position%zones(system%of(k)))
                 place%force = forces(z)
-                place%reach = hertz_half_width(place%force, zone%curvature, &
-                    & position%kernel(z), position%flank_length)
+                place%reach = half_width_of(position, z, place%force)
                 place%reach_slope = 0.5_wp*place%reach/place%force
                 place%lever = zone%lever
                 place%torque_lever = zone%lever
@@ -76,7 +76,8 @@ contains
                 place%force = forces(z)
                 place%reach_slope = power*place%reach/place%force
                 call near_field_of(position%kernel(z), &
-                    & least_half_width(position%flank_length), position%images(:, z), place)
+                    & least_half_width(position%flank_length), position%most_half_width, &
+                    & position%images(:, z), place)
                 pairs%cell_1(k) = cell_of(place%reach, position%flank_length)
                 pairs%cell_2(k) = pairs%cell_1(k)
             end associate
@@ -119,14 +120,9 @@ contains
                 call reach_of(position%facing(site), zone, position%kernel(z)*place%force, &
                     & place%reach, place%reach_slope)
                 place%reach_slope = position%kernel(z)*place%reach_slope
-                ! An open slice starts to touch with a narrow contact. On a corner, its assumed
-                ! force may need a width far above that of `spread_loads`, for which K is not
-                ! definite.
-                if (position%beside > 0.0_wp .and. .not. forces(z) > 0.0_wp) then
-                    place%reach = min(place%reach, 2.0_wp*position%beside)
-                end if
                 call near_field_of(position%kernel(z), &
-                    & least_half_width(position%flank_length), position%images(:, z), place)
+                    & least_half_width(position%flank_length), position%most_half_width, &
+                    & position%images(:, z), place)
                 call append_place(position, z, place%reach, pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses)
@@ -148,6 +144,23 @@ contains
             end associate
         end do
     end subroutine update_contacts
+
+    !> Return the half-width of the widest contact that carries load [mm].
+    pure function widest_contact(system, forces) result(widest)
+        !> Lumped contacts
+        type(lumped_system), intent(in) :: system
+        !> Forces of the zones [N], shape (zones)
+        real(wp), intent(in) :: forces(:)
+        real(wp) :: widest
+
+        integer :: k
+
+        widest = 0.0_wp
+        do k = 1, size(system%of)
+            if (.not. forces(system%of(k)) > 0.0_wp) cycle
+            widest = max(widest, 0.5_wp*sum(system%places(system%of(k))%reach))
+        end do
+    end function widest_contact
 
     !> Append the pair of a contact.
     pure subroutine append_place(position, z, reach, pairs, found)

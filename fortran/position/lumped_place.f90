@@ -115,24 +115,27 @@ contains
 
     !> Compute the approach by the near field, F [c (1/2 + ln(2/h)) + w], with the mean half-width h
     !> and w from the mirror images behind free corners.
-    pure subroutine near_field_of(kernel, least_half_width, images, place)
+    pure subroutine near_field_of(kernel, least_half_width, most_half_width, images, place)
         !> Sum c of both bodies [mm/N]
         real(wp), intent(in) :: kernel
-        !> Half-width below which the near field is constant [mm]
+        !> Half-widths below and above which the near field is that of this half-width [mm]
         real(wp), intent(in) :: least_half_width
+        real(wp), intent(in) :: most_half_width
         !> Mirror images of the contact, shape (2)
         type(image_type), intent(in) :: images(:)
         !> Lumped contact, whose force and half-widths are known
         type(place_type), intent(inout) :: place
 
-        real(wp) :: half_width, image, by_reach(2)
+        real(wp) :: half_width, reach(2), image, by_reach(2)
 
-        half_width = 0.5_wp*sum(place%reach)
-        call image_displacement(images, max(place%reach, 0.5_wp*least_half_width), image, by_reach)
-        place%approach_slope = kernel*(0.5_wp + log(2.0_wp/max(half_width, least_half_width))) &
-            & + image
+        reach = place%reach
+        half_width = 0.5_wp*sum(reach)
+        if (half_width > most_half_width) reach = reach*(most_half_width/half_width)
+        call image_displacement(images, max(reach, 0.5_wp*least_half_width), image, by_reach)
+        place%approach_slope = kernel*(0.5_wp + log(2.0_wp/max(0.5_wp*sum(reach), &
+            & least_half_width))) + image
         place%approach = place%approach_slope*place%force
-        if (half_width > least_half_width) then
+        if (half_width > least_half_width .and. half_width <= most_half_width) then
             place%approach_slope = place%approach_slope &
                 & - kernel*place%force*0.5_wp*sum(place%reach_slope)/half_width &
                 & + place%force*sum(by_reach*place%reach_slope)

@@ -14,7 +14,7 @@ module flankload_lumped_position
     use flankload_contact_pairs, only: reserve_pairs
     use flankload_mesh, only: body_type, mesh_type
     use flankload_lumped_contacts, only: differentiate_levers, follow_places, take_parabolas, &
-        & update_contacts
+        & update_contacts, widest_contact
     use flankload_lumped_estimate, only: estimate_forces, estimate_slices
     use flankload_lumped_hertz, only: least_load_share
     use flankload_lumped_pass, only: couple, lumped_system, solve_pass, step_places
@@ -22,7 +22,7 @@ module flankload_lumped_position
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, may_touch, not_parabolic, position_state, &
         & would_touch
-    use flankload_slice_coupling, only: load_slices, widen_slices
+    use flankload_slice_coupling, only: half_width_of, load_slices, widen_slices
     implicit none
     private
 
@@ -100,10 +100,9 @@ contains
             change = maxval(abs(forces - last))/maxval(forces)
             since_update = since_update + change
             done = since_update <= settled
-            if (.not. done) cycle
-            done = .not. any(would_touch(position, forces, state%rotation) .and. .not. included)
+            if (done) call extend(bodies, meshes, forces, state%rotation, position, included, &
+                & system, done)
             if (done) exit
-            included = included .or. would_touch(position, forces, state%rotation)
         end do
         if (done) then
             call finish(position, system, forces, state, error)
@@ -130,6 +129,7 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
+        integer :: z
         real(wp) :: rotation
 
         if (allocated(meshes(1)%slices)) then
@@ -145,8 +145,37 @@ contains
         end if
         if (allocated(error)) return
         included = forces > 0.0_wp .or. may_touch(position, rotation)
-        if (allocated(meshes(1)%slices)) call widen_slices(bodies, meshes, forces, position)
+        if (allocated(meshes(1)%slices)) call widen_slices(bodies, meshes, &
+            & maxval([(half_width_of(position, z, forces(z)), z=1, size(forces))]), position)
     end subroutine begin
+
+    !> Include other contacts that touch, and widen slices whose contacts are wider than K allows.
+    pure subroutine extend(bodies, meshes, forces, rotation, position, included, system, complete)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> Forces of the zones [N], shape (zones), and rotation [rad], converged
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: rotation
+        !> The position
+        type(position_type), intent(inout) :: position
+        !> True for zones that are considered, shape (zones)
+        logical, intent(inout) :: included(:)
+        !> Lumped contacts; none are considered any more if slices have been widened
+        type(lumped_system), intent(inout) :: system
+        !> True if there are neither
+        logical, intent(out) :: complete
+
+        real(wp) :: widest
+
+        complete = .not. any(would_touch(position, forces, rotation) .and. .not. included)
+        included = included .or. would_touch(position, forces, rotation)
+        widest = widest_contact(system, forces)
+        if (widest <= position%most_half_width) return
+        complete = .false.
+        call widen_slices(bodies, meshes, widest, position)
+        system%of = system%of(:0)
+    end subroutine extend
 
     !> Return a positive force at which a contact can be evaluated.
     elemental function some_force(force, full) result(under)

@@ -53,8 +53,8 @@ module flankload_position_zones
         real(wp), allocatable :: kernel(:)
         !> Largest half-width of a contact for estimates of the forces [mm], shape (zones)
         real(wp), allocatable :: widest(:)
-        !> Distance from its line at which the load of a slice acts [mm]
-        real(wp) :: beside = 0.0_wp
+        !> Half-width up to which K between slices is definite [mm]
+        real(wp) :: most_half_width = huge(1.0_wp)
         !> Share of a slice in a load that is spread evenly along the face width, 1 in the plane,
         !> shape (zones)
         real(wp), allocatable :: part(:)

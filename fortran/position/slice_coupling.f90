@@ -8,6 +8,7 @@ module flankload_slice_coupling
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, usual_half_width
+    use flankload_lumped_place, only: reach_of
     use flankload_near_field, only: new_image
     use flankload_polar_geometry, only: part_in_section
     use flankload_mesh, only: body_type, level_pairs, mesh_type
@@ -18,7 +19,7 @@ module flankload_slice_coupling
     implicit none
     private
 
-    public :: check_slices, couple_slices, load_slices, segments_of, widen_slices
+    public :: check_slices, couple_slices, half_width_of, load_slices, segments_of, widen_slices
 
 contains
 
@@ -150,30 +151,51 @@ contains
         associate (zones => position%zones, edges => meshes(1)%slices%edges)
             position%part = width_of(meshes(1)%slices, zones%site)/(edges(size(edges)) - edges(1))
             z = minloc(position%gap, dim=1, mask=zones%side > 0.0_wp)
-            call spread_loads(bodies, meshes, hertz_half_width(position%part(z)*torque &
-                & /zones(z)%lever, zones(z)%curvature, position%kernel(z), &
-                & position%flank_length), position)
+            call spread_loads(bodies, meshes, half_width_of(position, z, position%part(z)*torque &
+                & /zones(z)%lever), position)
         end associate
     end subroutine load_slices
 
     !> Increase the width of the contacts if uneven forces require it.
-    pure subroutine widen_slices(bodies, meshes, forces, position)
+    pure subroutine widen_slices(bodies, meshes, half_width, position)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Forces of the zones [N], shape (zones)
-        real(wp), intent(in) :: forces(:)
+        !> Estimated half-width of the widest contact [mm]
+        real(wp), intent(in) :: half_width
         !> The position
         type(position_type), intent(inout) :: position
 
         !> Safety factor for the half-width, since the forces are estimates
         real(wp), parameter :: reserve = 1.1_wp
-        real(wp) :: widest
 
-        widest = reserve*maxval(hertz_half_width(forces, position%zones%curvature, &
-            & position%kernel, position%flank_length))
-        if (0.5_wp*widest > position%beside) call spread_loads(bodies, meshes, widest, position)
+        if (reserve*half_width > position%most_half_width) then
+            call spread_loads(bodies, meshes, reserve*half_width, position)
+        end if
     end subroutine widen_slices
+
+    !> Return the half-width of a contact [mm]: that of a parabola, or at a sharp corner of flanks
+    !> without one (behind an undercut the sum of their curvatures may be negative) that of the gap.
+    pure function half_width_of(position, z, force) result(half_width)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Index of the zone
+        integer, intent(in) :: z
+        !> Force [N]
+        real(wp), intent(in) :: force
+        real(wp) :: half_width
+
+        real(wp) :: reach(2), slope(2)
+
+        associate (zone => position%zones(z))
+            half_width = hertz_half_width(force, zone%curvature, position%kernel(z), &
+                & position%flank_length)
+            if (zone%corner == 0 .or. zone%curvature > 0.0_wp .or. .not. force > 0.0_wp) return
+            reach = usual_half_width*position%flank_length
+            call reach_of(position%facing(zone%site), zone, position%kernel(z)*force, reach, slope)
+            half_width = 0.5_wp*sum(reach)
+        end associate
+    end function half_width_of
 
     !> Compute near fields of loads that are spread over the width of the widest contact.
     !>
@@ -191,9 +213,10 @@ contains
 
         integer :: z
 
-        associate (zones => position%zones, slices => meshes(1)%slices, beside => position%beside)
-            ! flanks may be pressed against each other without torque
-            beside = 0.5_wp*max(half_width, least_half_width(position%flank_length))
+        ! flanks may be pressed against each other without torque
+        position%most_half_width = max(half_width, least_half_width(position%flank_length))
+        associate (zones => position%zones, slices => meshes(1)%slices, &
+            & beside => 0.5_wp*position%most_half_width)
             position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)
             position%coupling = position%smooth
             ! Eq. (S2), (S3) of docs/theory/slices.md

@@ -170,8 +170,12 @@ def faults_of_refusal(trial: Trial, method: str, error: errors.ContactError) -> 
 
 
 def certain_states(problem: Problem) -> Iterator[np.ndarray]:
-    """Forces of the states found by trying all contact sets, far from any change."""
+    """Forces of the states found by trying all contact sets, far from any change.
+
+    Forces that only rounding tells from zero are no such states: without loads, no pair may carry.
+    """
     n, q = problem.motions.shape
+    least = CERTAIN * np.abs(problem.gaps / problem.compliance.diagonal()).max()
     for size in range(q, n + 1):
         for pairs in map(list, itertools.combinations(range(n), size)):
             matrix = np.block(
@@ -188,7 +192,7 @@ def certain_states(problem: Problem) -> Iterator[np.ndarray]:
             gap, terms = rows_of(problem, forces, solution[size:])
             others = np.delete(np.arange(n), pairs)
             if (
-                forces[pairs].min() > CERTAIN * np.abs(forces).max()
+                forces[pairs].min() > max(least, CERTAIN * np.abs(forces).max())
                 and (gap[others] > CERTAIN * terms[others]).all()
             ):
                 yield forces

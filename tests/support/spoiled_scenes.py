@@ -154,7 +154,8 @@ def _invalidate(tree: Tree, rng: np.random.Generator) -> str | None:
             return f"{key} = {table[key]!r}"
         case 3:
             table[key] = [{}, [], [[[]]], {"x": 1}, None, b"x", 1j][rng.integers(7)]
-            return None if table[key] in ([], None) else f"{key} = {table[key]!r}"
+            emptied = isinstance(value, dict) and table[key] == {}
+            return None if emptied or table[key] in ([], None) else f"{key} = {table[key]!r}"
         case 4 if _is_number(value):
             table[key] = True
             return f"{key} = true"
