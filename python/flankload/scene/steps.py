@@ -51,13 +51,13 @@ def _halved(most: float, least: float, per_half: int) -> tuple[float, ...]:
     return tuple(found)
 
 
-#: Largest changes of the sizes of effects by the coarse values, beside runs at the default: 2 % of
+#: Largest changes of the sizes of effects by the coarse values, beside runs at the default: 3 % of
 #: the size of the ten effects of `test_plan.py`; 0.6 % of the rotation of three-dimensional gears.
 #: Error orders. Elements: second order in displacements. Modes: energy of loads beside a tip, where
 #: the compliance increases logarithmically. Cells: pressure is linear on each; even numbers, since
 #: cells of odd ones change places beside the middle of a contact in a comparison with half as many.
 STEPS = {
-    ELEMENTS: Steps(4.0, _halved(2.0, 0.125, 1), _halved(2.0, 0.125, 4), 2.0),
+    ELEMENTS: Steps(8.0, _halved(2.0, 0.125, 1), _halved(2.0, 0.125, 4), 2.0),
     MODES: Steps(3, (3, 4, 5, 6, 8, 12), tuple(range(3, 13)), -3.0),
     STRIPS: Steps(2.5, (2.5, 5, 10, 20, 40), (8, 10, 14, 20, 28, 40, 56, 80), -2.0),
     ZONE: Steps(2.5, (1.2, 1.5, 2.0, 2.5, 3.0, 4.0)),

@@ -67,10 +67,8 @@ STATES_WORK: Powers = {STRIPS: 1.0, SLICES: 2.0}
 STATES_SECONDS: Powers = {STRIPS: 0.5, SLICES: 2.0}
 #: With finite influence coefficients: each two pairs have their own.
 FINITE_SECONDS: Powers = {STRIPS: 2.0}
-#: Order of the number of cells, and of the seconds of elements in their unknowns: between those of
-#: their assembly and of the factorisation of a plane mesh (George, SIAM J. Numer. Anal. 10, 1973).
+#: Order of the number of cells.
 CELLS_WORK: Powers = {STRIPS: 1.0, SLICES: 1.0}
-UNKNOWNS_WORK = 1.25
 #: Keys of [positions] that set the positions of a drive.
 PLACES = ("count", "angles_deg", "adaptive", "tolerance", "max_count")
 FEW_MODES = "meshes and compliances from files allow no more modes"

@@ -108,7 +108,7 @@ def _bisected(
     best: tuple[Numbers, list[Flags]] | None = None
     for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
         along = middles @ [np.cos(turn), np.sin(turn)]
-        ahead = along[element] > np.median(along[elements])
+        ahead = along[element] > _middle(along[elements])
         shared = _among(node[ahead], nodes) & _among(node[~ahead], nodes)
         own = np.flatnonzero(shared)
         if best is None or own.size < best[0].size:
@@ -116,3 +116,10 @@ def _bisected(
             best = own, [ahead & free, ~ahead & free]
     assert best is not None
     return best
+
+
+def _middle(values: Floats) -> np.float64:
+    """Median of some hundred numbers or fewer: np.median takes six times as long."""
+    ascending = np.sort(values)
+    middle: np.float64 = 0.5 * (ascending[(values.size - 1) // 2] + ascending[values.size // 2])
+    return middle

@@ -19,7 +19,7 @@ from flankload.mechanisms.effect_size import States, size_of
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.toggles import Toggle, toggles, without_keys
 from flankload.result.slices import relative_line_loads, relative_mean_line_loads
-from flankload.scene.effects import known_effects, switches_of
+from flankload.scene.effects import effects_of, known_effects, switches_of
 from flankload.scene.pair import Positions
 from flankload.scene.steps import STRIPS
 from flankload.studies.coarse import NODES_APART, coarse
@@ -27,7 +27,6 @@ from flankload.studies.parameters import (
     CELLS_WORK,
     FINITE_SECONDS,
     STATES_SECONDS,
-    UNKNOWNS_WORK,
     parameters_of,
     relative,
 )
@@ -95,14 +94,17 @@ class CoarseRuns:
         if spatial is not None and spatial.scene and not (dimension or on["three_dimensions"]):
             self.toggles["three_dimensions"] = Toggle(None, skipped=SKIPPED)
         friction = self.toggles.get("friction", Toggle(None))
+        # of lumped contacts, the sweeps of an estimate cost what their states do
+        estimate = scene.accuracy.estimate and not effects_of(scene).lumped_contact
         self._parts = Parts(
-            tangential=on["friction"] or friction.scene is not None,
-            estimate=scene.accuracy.estimate,
+            tangential=on["friction"] or friction.scene is not None, estimate=estimate
         )
         self._assemblies: dict[Scene, tuple[Any, Account]] = {}
         self._runs: dict[Scene, tuple[Result, ...]] = {}
         require_premises(scene, mechanism_of(scene).broken_by_geometry(self._assembly(scene)[0]))
-        self._spent = self._solved(scene, coarse(scene, self._parts))
+        run = coarse(scene, self._parts)
+        accuracy = structs.replace(run.accuracy, estimate=estimate)
+        self._spent = self._solved(scene, replace(run, accuracy=accuracy))
         at = self._spent[0].position_rad
         self._every = slice(None, None, max(1, -(-at.size // POSITIONS)))
         self._angles_deg = tuple(np.degrees(at[self._every]).tolist())
@@ -280,8 +282,7 @@ class _More:
         own = spent["counters"]
         exact = {name: number for name, number in counted.items() if name != "bytes"}
         if own.get("fe_unknowns"):
-            size = exact.get("fe_unknowns", 0) / own["fe_unknowns"]
-            seconds = size**UNKNOWNS_WORK
+            size = seconds = exact.get("fe_unknowns", 0) / own["fe_unknowns"]
             further: dict[str, int] = {}
         elif own.get("states"):
             size = exact.get("states", self.states * own["states"]) / own["states"]
