@@ -1,1 +1,1 @@
-"""Tests by room (`unit`), of physics, hard cases, the project; `support` is what they share."""
+"""Tests by room (`unit`), of physics, hard cases and the project; `support` has shared modules."""

@@ -36,7 +36,7 @@ def listed_sources(folder: Path = FORTRAN) -> list[Path]:
 
 
 def module_complaints(path: Path, known: dict[str, str]) -> list[str]:
-    """What is wrong with the modules of a file; `known` are those before it and their folders."""
+    """Faults of the modules of a file; `known` are those before it and their folders."""
     found = []
     text = path.read_text(encoding="utf-8")
     name, folder = path.relative_to(FORTRAN).as_posix(), path.parent.name
@@ -46,7 +46,7 @@ def module_complaints(path: Path, known: dict[str, str]) -> list[str]:
         found.append(f"{name}: expected one module {expected}, found {modules}")
     for module in USE.findall(text):
         if module not in known and module not in modules:
-            found.append(f"{name}: uses {module}, which does not stand before it")
+            found.append(f"{name}: uses {module}, which does not precede it")
         elif folder in MAY_USE and known.get(module, folder) not in MAY_USE[folder] | {folder}:
             found.append(f"{name}: {folder}/ does not use {known[module]}/, but {module} is used")
     known.update(dict.fromkeys(modules, folder))

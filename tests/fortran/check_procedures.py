@@ -2,7 +2,7 @@
 
 A procedure has at most 60 lines of code and 8 arguments. Comments and blank lines do not count; a
 procedure counts with the ones inside it. Those of flat/, whose arguments are arrays without
-descriptors, are as long as their lists of arguments, and those of LAPACK take what they take.
+descriptors, are as long as their lists of arguments, and those of LAPACK have its arguments.
 """
 
 import re

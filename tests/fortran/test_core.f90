@@ -235,7 +235,7 @@ contains
         real(wp) :: flank(2, points), across(2, points), found(points), expected
         integer :: i
 
-        do i = 1, points   ! radial: its cuts stand on it, however large it gets
+        do i = 1, points   ! radial: perpendicular to its cuts at any size
             flank(:, i) = [20.0_wp + i, 0.0_wp]
             across(:, i) = [0.0_wp, flank(1, i)]
         end do

@@ -1,4 +1,4 @@
-"""What is said of a problem holds: proofs beyond rounding, status 0 with rows met, states found."""
+"""Statements about a problem hold: proofs beyond rounding, status 0 with rows met, states found."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_a_lever_of_rounding_holds_a_load(method: str) -> None:
     [
         # The loads nearly along each other's rows: singular for all levels.
         (nearly_dependent, [1, 225]),
-        # Loads that are 1e-13 of what gaps call for: the forces had no digits.
+        # Loads of 1e-13 of those that close the gaps: the forces had no digits.
         (nearly_dependent, [2, 1165]),
         (nearly_dependent, [2, 4825]),
         (decades, [1, 763]),

@@ -17,7 +17,7 @@ from tests.support.oracle import EPS, Problem, judge_general
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 METHODS = ("auto", "single", "block", "load_path")
-#: What rounding may leave in a row or load, relative to its own size: as the core takes it.
+#: Largest rounding error of a row or load, relative to its own size: as in the core.
 ROW_TOLERANCE = 10 * EPS
 #: Of a truss of links [N/mm], along the chain and across it: between rollers, to the ground.
 STIFFNESS = ((2e3, 0.0), (1.0, 3.0))
@@ -28,7 +28,7 @@ SCATTERED = (10, 22, 53, 136, 171, 242, 306, 431, 555, 579, 669, 706)
 
 
 def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:
-    """What 60-digit arithmetic finds wrong with a state and its certificate."""
+    """Errors of a state and its certificate by 60-digit arithmetic."""
     verdict = judge_general(
         problem.compliance,
         problem.gaps,
@@ -53,7 +53,7 @@ def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:
 
 
 def faults_of_refusal(problem: Problem, motion: np.ndarray) -> list[str]:
-    """What is wrong with a motion that is to show that no forces hold the loads: R y <= 0 < Q y."""
+    """Errors of a motion that proves that no forces hold the loads: R y <= 0 < Q y."""
     opening = problem.load_rows @ motion
     size = np.abs(problem.load_rows) @ np.abs(motion)
     faults = []
@@ -133,7 +133,7 @@ def test_a_load_along_one_of_two_pairs_that_could_jam() -> None:
 
 
 def largest_lack(problem: Problem, state: fl.ContactState) -> Fraction:
-    """What rows and loads lack, each relative to its own size, in exact numbers."""
+    """Residuals of rows and loads, each relative to its own size, in exact numbers."""
 
     def lack(terms: list[Fraction], *, closed: bool) -> Fraction:
         total, size = sum(terms), sum(map(abs, terms))
@@ -181,7 +181,7 @@ def test_levers_that_are_rounding(method: str) -> None:
 @pytest.mark.parametrize("seed", SCATTERED)
 def test_levers_over_many_decades_are_solved(seed: int) -> None:
     """Each lever on a decade of its own, 1e-100 … 1: K is positive definite and forces hold the
-    loads, so that a state exists, but what a table makes of these levers is rounding. It was taken
+    loads, so that a state exists, but a table contains only rounding of these levers. It was taken
     for a proof that no forces hold the loads, later given up."""
     rng = np.random.default_rng(seed)
     q = int(rng.integers(1, 5))

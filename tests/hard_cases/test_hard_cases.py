@@ -417,7 +417,7 @@ def test_layouts_and_kinds_of_arrays(order: str) -> None:
 @pytest.mark.parametrize("number", range(8))
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_the_core_answers_no_numbers_that_are_none(number: int, bad: float) -> None:
-    """At the flat interface, by every method, wherever they stand.
+    """At the flat interface, by every method, at every place.
 
     Columns of K are read as they are needed: that of pair 3, which stays open, may stay unread,
     but then nothing is proven.

@@ -18,7 +18,7 @@ from tests.support.oracle import EPS, Problem
 LARGEST = 150
 #: Less than this is no normal number, and the largest power of ten.
 TINY, TOP = float(np.finfo(float).tiny), 308.0
-#: What is this much less than the largest may be lost.
+#: Numbers smaller than the largest by this factor may be lost.
 NEGLIGIBLE = 1e-15
 
 
@@ -93,7 +93,7 @@ def fits(
     tangent: np.ndarray,
     units: tuple[float, float, float],
 ) -> bool:
-    """Whether doubles hold a state in its new units; what is negligible may be lost."""
+    """Whether doubles hold a state in its new units; negligible numbers may be lost."""
     force, length, motion = np.log10(units)
     with np.errstate(divide="ignore"):
         growth = np.log10(np.abs(tangent).max()) + 2 * motion - force - length

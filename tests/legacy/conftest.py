@@ -1,4 +1,4 @@
-"""The library as it is installed, without Python; what is built against it knows nothing else."""
+"""The installed library without Python, against which the programs are built."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def prefix() -> Path:
 
 @pytest.fixture(scope="session")
 def environment(prefix: Path) -> dict[str, str]:
-    """What a caller sets: where pkg-config finds the library, and one thread."""
+    """Environment of a caller: the folder of pkg-config, and one thread."""
     return {
         **os.environ,
         "PKG_CONFIG_PATH": str(prefix / "lib" / "pkgconfig"),

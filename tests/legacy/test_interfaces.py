@@ -38,7 +38,7 @@ WAYS = {
 def compiled(
     source: Path, text: str, options: list[str], prefix: Path
 ) -> subprocess.CompletedProcess[str]:
-    """Whether a program compiles with what is installed, and what is said of it."""
+    """Whether a program compiles with the installed files, and the messages."""
     source.write_text(text, encoding="ascii")
     return subprocess.run(
         ["gfortran", "-fsyntax-only", *options, f"-I{prefix / 'include' / 'flankload'}", source],
@@ -90,7 +90,7 @@ def test_programs_with_external_procedures_still_compile(prefix: Path, tmp_path:
 
 
 def with_option(option: str, example: str, program: str, folder: Path, prefix: Path) -> Path | str:
-    """An example program compiled with an option, or what the compiler has against it."""
+    """An example program compiled with an option, or the message of the compiler."""
     first, ending = ("rdbody.f", "f") if example == "legacy_fortran" else ("body_file.f90", "f90")
     library = prefix / "lib"
     made = subprocess.run(

@@ -1,4 +1,4 @@
-"""What packagers and other build systems find of the installed library, and nothing beside."""
+"""Files of the installed library for packagers and other build systems, and nothing else."""
 
 from __future__ import annotations
 

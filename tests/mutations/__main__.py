@@ -19,7 +19,7 @@ from tests.support.paths import ROOT
 
 from .faults import CORE, FAULTS, Fault
 
-#: What a copy leaves behind.
+#: Folders that are not copied.
 LEFT_OUT = ("build*", ".venv", ".git", "__pycache__", ".*_cache", "dist", "out", "*.so")
 #: Beyond this a loop does not end: the fault is seen, s.
 LONGEST = 600
@@ -43,7 +43,7 @@ class Tree:
             "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
             "PYTHONPATH": str(self.top / "python"),
             "PYTHONDONTWRITEBYTECODE": "1",
-            # the copy in place of what the editable install shows
+            # the copy in place of the editable install
             "MESONPY_EDITABLE_SKIP": str(ROOT / "build"),
             "OPENBLAS_NUM_THREADS": "1",
             "OMP_NUM_THREADS": "1",
@@ -97,7 +97,7 @@ class Tree:
         text = path.read_text(encoding="utf-8")
         path.write_text(text.replace(fault.before, fault.after), encoding="utf-8")
         try:
-            # what the fault before has left is built anew, too
+            # objects of the fault before are built anew, too
             if not self.build():
                 raise SystemExit(f"does not build: {fault.name}")
             return not self.passes(fault.owners)
@@ -106,7 +106,7 @@ class Tree:
 
 
 def main(arguments: list[str]) -> int:
-    """Run what is asked for."""
+    """Run the selected faults."""
     words = [argument for argument in arguments if argument != "--list"]
     faults = [f for f in FAULTS if not words or any(word in f.name for word in words)]
     if "--list" in arguments or not faults:

@@ -15,7 +15,7 @@ class Fault:
     file : str
         From the top of the tree.
     before, after : str
-        Text that occurs once in the file, and what replaces it.
+        Text that occurs once in the file, and its replacement.
     owners : tuple of str
         Tests of the file, as pytest names them; `CORE` for the programs of `tests/fortran`.
     harmless : str
@@ -30,7 +30,7 @@ class Fault:
 
     @property
     def name(self) -> str:
-        """What a report calls it."""
+        """Its name in a report."""
         return f"{self.file}: {self.before} -> {self.after}"
 
 

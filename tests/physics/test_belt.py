@@ -364,7 +364,7 @@ def test_positions_pass_over_into_each_other_but_where_a_tooth_comes() -> None:
     jumps = np.abs(turns(phases + 1e-3) - turns(phases)) / turns(phases)
     assert jumps.max() < 1e-3
     before, after = turns(np.array([0.4999, 0.5001]))
-    # what the tight strand has stretched over a pitch is taken back by the tooth that comes
+    # the elongation of the tight strand over a pitch is taken back by the tooth that comes
     assert after < 0.9 * before
 
 

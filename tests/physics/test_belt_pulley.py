@@ -317,7 +317,7 @@ def test_pitch_later_all_is_as_before() -> None:
 
 
 def test_stiff_pulley_is_a_rigid_one() -> None:
-    """What it changes falls as 1/E."""
+    """Its effect decreases as 1/E."""
     rigid = solve_belt(T10, response(), FORCE, 20.0)
     changes = []
     for modulus in (1e8, 1e9):
@@ -357,12 +357,12 @@ def test_forces_hold_each_other() -> None:
 
 
 def test_slack_tension_presses_the_pulley_without_any_torque() -> None:
-    """All around T2/r_p on every land: it shrinks by what the ring of all loads shrinks."""
+    """T2/r_p on every land all around: it shrinks as much as the ring of all loads."""
     found, rigid = (known.by[Kind.SLACK] for known in (resting(), response()))
     change = np.abs(found.displacement - rigid.displacement)
     assert (change > 0.01 * np.abs(rigid.displacement).max()).any()
     np.testing.assert_allclose(found.tight, 1.0, rtol=SOLVER, atol=0.0)
-    # lands still carry what the taut strip needs
+    # lands still carry the load of the taut strip
     np.testing.assert_allclose(found.reaction.sum(), rigid.reaction.sum(), rtol=0.02, atol=0.0)
 
 
@@ -380,7 +380,7 @@ def test_row_of_springs_knows_the_pulley(modulus: float, difference: float, poin
     )
     way = state.rotation_rad * strip.pitch_radius_mm
     np.testing.assert_allclose(springs.rotation, way, rtol=ROW_WAY, atol=0.0)
-    # without what teeth do to each other through the pulley the twist is missing
+    # without the cross compliances of teeth through the pulley the twist is missing
     lone = replace(row, coupling_mm2_per_N=np.zeros(0))
     alone = solved_springs(lone, 20.0, strip.pitch_difference_mm)
     assert alone.rotation < 0.85 * way

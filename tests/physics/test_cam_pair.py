@@ -79,7 +79,7 @@ def test_force_is_torque_over_lever(follower: dict, one: dict, two: dict) -> Non
 def test_long_arm_does_not_bend_the_gap() -> None:
     """The arm's large rotation, weighed by half the lever of each body, took 2 % of the pressure.
 
-    Statics of steel: the place of contact moves along the roller by what the arm's end turns.
+    Statics of steel: the place of contact moves along the roller as the end of the arm turns.
     """
     slender = {"arm_width_mm": 5.0}
     result, pair, contacts = solved(None, slender, positions={"count": 4})

@@ -204,7 +204,7 @@ def test_half_widths_are_those_of_slices() -> None:
 
 
 def test_a_contact_pattern_of_cells() -> None:
-    """The pressures of the cells of all positions, and what lies between these."""
+    """The pressures of the cells of all positions, and between these."""
     keys = {**SLICED, "positions__count": 16}
     cells, slices = (solve(HELICAL, contact=each, **keys) for each in ("pairs", "lumped"))
     (diameter, pressure), (_, wanted) = (contact_pattern(each, 1) for each in (cells, slices))

@@ -62,7 +62,7 @@ TABLE = {
 @pytest.mark.parametrize(("seat", "wear", "stiffer"), TABLE)
 def test_tensions_around_the_wrap(seat: float, wear: float, stiffer: int) -> None:
     wheel, links = sprocket(seat), chain(wear=wear, stiffer=stiffer)
-    # worn chains stand further out: the same torque is less tension
+    # worn chains are further out: the same torque is less tension
     tight = 2000.0**2 / solved(wheel, links).tension_N[0]
     state = solved(wheel, links, tight=tight)
     assert state.tension_N[0] == pytest.approx(2000.0, rel=1e-4)
@@ -103,7 +103,7 @@ def test_end_tensions_and_contacts_have_the_same_moment() -> None:
     state = solved(sprocket(), chain(wear=0.01))
     one, two = wrap.levers_mm
     contacts = cross(world_places(wrap, state), world_forces(wrap, state)).sum()
-    # along the strands' lines, where the rollers stand now, and what strands do sideways
+    # along the strands' lines at the present places of the rollers, and sideways motion of strands
     place = world_places(wrap, state)[[0, -1]]
     pull = state.tension_N[[0, -1], None] * np.array([wrap.tight, wrap.slack])
     for k, strand in ((0, wrap.tight), (1, wrap.slack)):
@@ -132,7 +132,7 @@ def test_links_pull_after_a_small_move_as_at_its_places() -> None:
     links = chain(wear=0.05)
     place = wrap.centers * 1.02
     move = 1e-6 * np.random.default_rng(5).standard_normal(place.shape)
-    # what is left out goes with the square of the move
+    # the neglected part is of the second order of the motion
     np.testing.assert_allclose(
         _link_tensions(links, place, move) - links.tensions(place),
         links.tensions(place + move) - links.tensions(place),

@@ -42,7 +42,7 @@ GEARS = {
     | {"teeth": 60, "profile_shift": 0.0, "tip_diameter_mm": 279.0, "bore_diameter_mm": 200.0},
 }
 #: Percent of the band's mean displacement that so many modes leave (measured 0.58, 0.23 …, the
-#: largest of both gears and one of 24 teeth), and what they leave at the least without the image.
+#: largest of both gears and one of 24 teeth), and the least error without the image.
 LEFT = {4: 0.9, 5: 0.3, 6: 0.12, 8: 0.05, 12: 0.02}
 WITHOUT = {4: 2.0, 5: 1.4, 6: 1.2, 8: 0.6, 12: 0.08}
 RING = {
@@ -52,8 +52,8 @@ RING = {
     "root_diameter_mm": 187.5,
     "outer_diameter_mm": 220.0,
 }
-#: Of what seven further modes have of the image at the end of the ring's flank: so much they add
-#: besides, on elements of 1/18 module.
+#: Part of the image at the end of the ring's flank that seven further modes contain,
+#: on elements of 1/18 module.
 BESIDE = 0.15
 #: Positions of the FZG type C pair at which a tip corner works, and one pair, two pairs.
 CORNERS_DEG, OTHERS_DEG = [5.625, 6.328, 16.172, 16.875], [2.0, 11.25]
@@ -190,12 +190,12 @@ def test_lumped_contact_on_corners(default: fl.Result) -> None:
     assert apart.max() < 2.2e-3
 
 
-#: What forces that turn change of the rotation, by plain elements: forces at nodes 0.0125 mm apart
+#: Effect of turning forces on the rotation, by plain elements: forces at nodes 0.0125 mm apart
 #: (no modes, no near field, displacements in both directions) on the core's cells, those on the
 #: corner with its direction, against all with the flank's normal; percent.
 TURNED_DEG = [5.0, 5.625, 6.0, 6.328, 16.172, 16.875]
 TURNED = np.array([-0.288, -0.648, -0.518, -0.248, -0.150, -0.436])
-#: The same with the mate's force turned, too, percent; and what is left of the rotation.
+#: The same with the mate's force turned, too, percent; and the remaining error of the rotation.
 BOTH = np.array([-0.266, -0.574, -0.460, -0.220, -0.147, -0.379])
 TURN_LEFT, BOTH_LEFT = 0.04, 0.06
 
@@ -213,9 +213,9 @@ def test_forces_that_do_not_turn_keep_their_bits() -> None:
     np.testing.assert_array_equal(solved(angles=OTHERS_DEG).rotation_rad, straight.rotation_rad)
 
 
-#: What friction changes of the rotation at TURNED_DEG by the same elements with forces along the
-#: flank, percent, by friction coefficient; and what is left (0.09 and 0.27 without the image of
-#: these forces, Eq. (W3)).
+#: Effect of friction on the rotation at TURNED_DEG by the same elements with forces along the
+#: flank, percent, by friction coefficient; and the remaining error (0.09 and 0.27 without the
+#: image of these forces, Eq. (W3)).
 RUBBED = {
     0.1: np.array([-0.753, -1.369, -1.847, -1.457, -1.309]),
     0.3: np.array([-2.110, -4.060, -5.570, -4.149, -3.747]),

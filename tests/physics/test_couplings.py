@@ -158,7 +158,7 @@ def test_mean_potential_far_and_near() -> None:
 @pytest.mark.parametrize("direction", [0.0, 70.0, 200.0])
 def test_the_gap_by_an_exact_rotation(direction: float) -> None:
     """The hub is rotated in space about the middle of its width; straight lines of its flanks cut
-    the section at z, and the gap is what they have moved along the shaft's normal."""
+    the section at z, and the gap is their displacement along the shaft's normal."""
     angle, z = 1e-4, 5.0
     pair = build_bodies(
         scene(pair__misalignment_mrad=1e3 * angle, pair__misalignment_direction_deg=direction)

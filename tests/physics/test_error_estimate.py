@@ -1,4 +1,4 @@
-"""The error estimate: its parts against finer solutions, its price in work, what it promises."""
+"""The error estimate: its parts against finer solutions, its cost in work, its promises."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ SAMPLE = (6, 25)
 #: Refinement of elements, cells and positions. Elements half as long change the true errors of
 #: these two scenes by less than 1e-3 and take five times as long.
 FINER = (4, 4, 4)
-#: What their numbers reach together; of all scenes it is 95 % and 80 %.
+#: Parts of their numbers that must be covered and near; of all scenes 95 % and 80 %.
 LEAST_COVERED, LEAST_NEAR = 0.85, 0.75
 #: How far smoothed stresses may be off the true loss, below and above, on default elements:
 #: measured 0.5 to 1.0 in the mean over the flank of toothed bodies.
@@ -42,7 +42,7 @@ LEAST_TOLD, MOST_TOLD = 0.4, 1.3
 #: Of the loss of a follower, at its arm's sharp corners above all, the part that is gone with
 #: elements half as long: 0.65; of followers whose corners keep their elements 0.1 to 0.2.
 LEAST_GONE = 0.5
-#: Order of quadratic elements in the compliance at smooth places, less what three meshes show.
+#: Order of quadratic elements in the compliance at smooth places, reduced for three meshes.
 LEAST_ORDER = 1.8
 #: |rotation - limit| / limit <= C (d / b)², d the width of a cell, b the half-width of the contact:
 #: 0.010 to 0.014 was found at the worst position of the FZG type C pair.
@@ -78,7 +78,7 @@ def test_smoothed_stresses_estimate_the_error_of_the_elements(k: int) -> None:
 
 
 def test_corners_of_a_follower_shrink_with_its_elements() -> None:
-    """Twice as fine, two thirds of what smoothed stresses tell are gone: not so if they stay."""
+    """On elements half as long, the estimate by smoothed stresses falls to a third."""
     scene = fl.Scene.from_dict(scenes(12)[11][1])
 
     def compliance(finer: float) -> BodyCompliance:

@@ -198,7 +198,7 @@ def test_steel_gears_on_coarse_nodes_change_by_a_fiftieth_of_a_percent() -> None
 
 
 def test_friction_rubs_with_finite_forces_too() -> None:
-    """What the forces along the flank add to the effect goes to 0 with the coefficient."""
+    """The contribution of forces along the flank vanishes with the coefficient."""
     effects = {}
     for mu in (0.0, 1e-6, 0.2):
         finite, small = (

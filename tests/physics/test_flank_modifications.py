@@ -1,4 +1,4 @@
-"""Modified flanks without load and with little: what geometry alone says."""
+"""Modified flanks without load and with little load, against geometry alone."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import Gear
 from tests.support.solving import solve
 
-#: Flank curves are within 1e-10 mm of the exact profile; wanted of what follows from them.
+#: Flank curves are within 1e-10 mm of the exact profile; tolerance of results that follow.
 GEOMETRY_MM = 1e-9
 
 ONE = {
@@ -224,7 +224,7 @@ def test_unloaded_transmission_error_is_the_geometric_deviation(keys: dict) -> N
 
 
 def test_small_torque_goes_to_the_unloaded_transmission_error() -> None:
-    """The limit itself: what remains falls with the torque (a little slower, as Hertz contact)."""
+    """The limit itself: the remainder falls with the torque (a little slower, as Hertz contact)."""
     keys = MODIFICATIONS["crowned"]
     unloaded = solved(keys).rotation_rad
     torques = [1e-1, 1e-3, 1e-5]

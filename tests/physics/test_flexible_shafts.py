@@ -39,7 +39,7 @@ SHAFT: dict[str, Any] = {
 #: 1.5 %). `tests/support/solid_pinion_shaft.py` computes them.
 SOLID = {(0, 1): 200.928, (1, 1): 589.962, (0, 2): -133.058, (2, 2): 218.309}
 SOLID |= {(1, 3): -24.143, (3, 3): 118.959, (0, 3): -3.115}
-#: Stiffness of what the line of contact is pressed against, N/(mm um).
+#: Stiffness of the foundation of the line of contact, N/(mm um).
 FOUNDATION = 14.0
 
 

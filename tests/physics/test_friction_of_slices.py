@@ -1,4 +1,4 @@
-"""Friction in three dimensions: plane limits, statics, work, symmetries, and what it costs."""
+"""Friction in three dimensions: plane limits, statics, work, symmetries, cost."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tests.support.three_dimensional import (
 from tests.support.tolerances import SOLVER
 
 SPUR = "external_gear"
-#: Work of both torques and of friction over a period: what the pairing on circles leaves.
+#: Work of both torques and of friction over a period: residual of pairing on circles.
 ENERGY = 1e-3
 SHAFT = {
     "diameters_mm": [35.0],
@@ -164,7 +164,7 @@ def test_slices_are_cells_as_a_whole(shafts: dict[str, Any]) -> None:
 
 
 def test_shafts_give_way_to_friction_of_cells() -> None:
-    """What friction adds to the rotation on a soft shaft, as of slices to 1.4 %; tips are off."""
+    """The rotation added by friction on a soft shaft is that of slices to 1.4 %; without tips."""
     stiff = {"radial_stiffness_N_per_um": [50.0, 75.0], "axial_stiffness_N_per_um": [0.0, 25.0]}
     keys = {"body_1__shaft": SHAFT | stiff, "load__torque_Nm": 80.0, "accuracy__slices": 12}
     added = [
@@ -275,7 +275,7 @@ def test_small_friction_is_small() -> None:
     np.testing.assert_allclose(twice, 2.0 * once, rtol=0.0, atol=1e-2 * np.abs(once).max())
 
 
-# --- what it costs --------------------------------------------------------------------------------
+# --- cost -----------------------------------------------------------------------------------------
 
 
 def test_loads_along_the_flank_are_solved_for_friction_alone() -> None:

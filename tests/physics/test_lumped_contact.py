@@ -26,7 +26,7 @@ from tests.support.tolerances import SOLVER
 
 #: Finer than any default, so that the cells' own error does not count.
 FINE = Grid(24.0, 72.0)
-#: What lumping may leave off corners, roundings and kinks (rotation, share of the load, pressure)
+#: Largest errors by lumping off corners, roundings and kinks (rotation, share of load, pressure)
 #: and, of the rotation, on them. Measured: 0.023 %, 0.03 points, 0.29 %, 0.36 % on the FZG pair;
 #: 0.27 %, 0.09 points, 1.5 %, 0.75 % on the ring, whose contacts are three times as wide for
 #: their flanks; 0.003 % on the cam.

@@ -22,7 +22,7 @@ from tests.support.tolerances import ROUND_OFF, SOLVER
 SCENE = example("external_gear")
 # One pair, two pairs; no tip corner at work. Hertz half-widths 0.18, 0.14 mm.
 ANGLES_DEG = [2.0, 11.25]
-#: What nodes so far apart leave of the rotation, against modes, and the last of the largest
+#: Error of the rotation with nodes at these distances, against modes, and the last of the largest
 #: pressure.
 SPACINGS = (0.2, 0.1, 0.05)
 ROTATION = (0.03, 0.01, 0.003)
@@ -215,7 +215,7 @@ def test_friction_has_the_same_effect_with_nodes_as_with_modes(modes: fl.Result)
 
 @pytest.mark.parametrize("rigid", [1, 2])
 def test_one_body_may_be_rigid(rigid: int) -> None:
-    """Pairs stand on circles through the nodes of the body that has some."""
+    """Pairs are on circles through the nodes of the body with nodes."""
     reference = solved(rigid=rigid)
     assert error(solved(rigid=rigid, near_field="nodes", h=0.1), reference) < 0.02
 
@@ -243,7 +243,7 @@ def test_error_estimate_is_that_of_half_as_many_nodes() -> None:
 
 
 def test_nodes_too_far_apart_get_a_warning(nodes: fl.Result) -> None:
-    (told, other) = solved(near_field="nodes", h=0.4).warnings[-2:]
-    assert told.startswith("body_1: nodes up to 0.39 mm apart, 1.5 Hertz half-widths")
+    (distance, other) = solved(near_field="nodes", h=0.4).warnings[-2:]
+    assert distance.startswith("body_1: nodes up to 0.39 mm apart, 1.5 Hertz half-widths")
     assert other.startswith("body_2: nodes up to")
     assert not any("apart" in warning for warning in nodes.warnings)

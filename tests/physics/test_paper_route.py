@@ -11,7 +11,7 @@ import pytest
 from tests.support.paths import ROOT
 
 FILE = ROOT / "examples" / "paper_route.py"
-#: Spacings of the nodes, mm, and what they leave of the rotation at most (measured 3.6, 1.8 %).
+#: Spacings of the nodes, mm, and largest errors of the rotation (measured 3.6, 1.8 %).
 SPACINGS = (0.2, 0.1)
 ROTATION = (0.045, 0.022)
 #: Of the load, on a flank (measured 0.05 points).

@@ -1,4 +1,4 @@
-"""Compliances that do not repeat with the tooth: what is said, and what one pitch misses of it."""
+"""Compliances that do not repeat with the tooth: warnings, and the error of a single pitch."""
 
 from __future__ import annotations
 

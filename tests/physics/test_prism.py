@@ -123,7 +123,7 @@ def _bump(x: np.ndarray) -> np.ndarray:
 def _tooth(
     body: Body, prism: Prism, in_plane: np.ndarray, along: Callable[[AxialBasis], np.ndarray]
 ) -> np.ndarray:
-    """What loads in_plane x along move of each other on a tooth whose cuts are held."""
+    """Cross compliances of loads in_plane x along on a tooth whose cuts are held."""
     axial, mesh = AxialBasis(prism.range_mm, prism.degree), body.mesh
     loads = product_loads(in_plane, along(axial)).reshape(len(mesh.nodes), 3 * axial.count, -1)
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
@@ -147,7 +147,7 @@ def _by_elements(body: Body, twist: float, places: np.ndarray, degree: int) -> n
 
 
 def _of_modes(body: Body, prism: Prism, n_s: int) -> np.ndarray:
-    """What the modes move of each other."""
+    """Cross compliances of the modes."""
     in_plane = mode_loads(body.mesh, body.mode_range_mm, n_s, twist=prism.twist)
     return _tooth(body, prism, in_plane, lambda axial: axial.load_vectors(prism.load_degree))
 
@@ -239,7 +239,7 @@ def _along_the_profile(surface: FlankSurface, z: float, middle: float) -> float:
 
 
 def test_loads_along_the_profile_move_the_flank_as_in_elements() -> None:
-    """Along its normal, in parts of what as much pressure moves; finer elements agree to 4e-4."""
+    """Along its normal, relative to the effect of equal pressure; finer elements agree to 4e-4."""
     body, twist, n_s, places = _pinion(2.0), _twist(15.0), 5, np.array([-7.0, -6.4, 0.0, 6.4, 7.0])
     prism, middle = Prism(ENDS, twist), 0.5 * sum(body.mode_range_mm)
     surface = flank_surface(body, prism)

@@ -1,4 +1,4 @@
-"""A gear inside a ring against plain finite elements, and what must hold without a reference."""
+"""A gear inside a ring against plain finite elements, and identities without a reference."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EXAMPLE = SCENES / "internal_gear.toml"
 #: Rotation (relative) and forces (of the sum) off sharp corners; on them, where the plain elements
 #: take each flank's own normal and five modes follow the load at the flank's very end less well.
 INTERIOR, CORNER = 3e-3, 1.5e-2
-#: Twice the element length: what the plain solution itself then lacks off the corners.
+#: Twice the element length: error of the plain solution off the corners.
 COARSE = 4e-3
 
 
@@ -134,7 +134,7 @@ def test_root_fillet_of_the_ring_carries_contact() -> None:
 def test_meshes_of_both_bodies_give_the_result_of_the_parameters(
     result: fl.Result, tmp_path: Path
 ) -> None:
-    """Flanks from nodes alone: a ring is known by what is held outside its flank."""
+    """Flanks from nodes alone: a ring is recognized by the nodes held outside its flank."""
     pair = build_bodies(scene())
     given = deepcopy(REFERENCE["scene"]) | {"accuracy": {"estimate": False, "tangents": False}}
     for key, body, turn in (

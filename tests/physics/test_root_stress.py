@@ -339,6 +339,6 @@ def test_stress_of_a_loaded_pair_is_that_of_its_forces(friction: float) -> None:
         expected = -root.response[0, :, :5] @ (values.T @ table.force_N) / 14.0
         if friction:
             expected += root.response[0, :, 5:] @ (values.T @ along) / 14.0
-        # both flanks' tangents agree to what pairing on circles leaves
+        # both flanks' tangents agree up to the residual of pairing on circles
         scale = (1e-4 if friction else 1e-9) * np.abs(expected).max()
         np.testing.assert_allclose(stress.stress_MPa[p, s], expected, rtol=0, atol=scale)

@@ -1,4 +1,4 @@
-"""Coulomb friction: known forces, statics, work, symmetry, limits, and what cannot be held.
+"""Coulomb friction: known forces, statics, work, symmetry, limits, loads that cannot be held.
 
 Pinned numbers of the FZG type C pair at a coefficient of 0.1 come from another implementation of
 the same model (dense tables between nodes); its uncertainty is given beside them.
@@ -22,7 +22,7 @@ from tests.support.plain_friction import solve_rubbing
 from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-#: Energy over a period: what the pairing on circles leaves, with and without friction.
+#: Energy over a period: residual of pairing on circles, with and without friction.
 ENERGY = 1e-3
 WIDTH, DISTANCE = 14.0, 91.5
 INTERNAL = json.loads((REFERENCE_SOLUTIONS / "internal_pair.json").read_text())["scene"]
@@ -152,7 +152,7 @@ def test_loss_follows_from_the_path_of_contact() -> None:
     way = base * (result.position_rad[:, None] + 2 * np.pi / 16 * result.sites)
     expected = 0.1 * np.sum(result.site_force_N * np.abs(way), axis=1) * (1 + 16 / 24) / 1000.0
     assert result.friction.loss_J_per_rad.mean() == pytest.approx(expected.mean(), rel=2e-3)
-    # forces stand up to 0.035 mm beside the place of least gap; tip corners work beside the path
+    # forces act up to 0.035 mm beside the place of least gap; tip corners act beside the path
     aside = 0.1 * 0.04 * result.site_force_N.sum(axis=1) * (1 + 16 / 24) / 1000.0
     alone = (np.abs(way) > 0.5) | (result.site_force_N == 0)
     inside = alone.all(axis=1) & ~result.corner_contact.any(axis=1)
@@ -293,7 +293,7 @@ def test_spline_on_common_axes_does_not_slide() -> None:
 
 
 def test_spline_on_axes_apart_rubs() -> None:
-    """Each flank slides to and fro by the offset; what the shaft gives the hub does not get."""
+    """Flanks slide to and fro by the offset; the hub receives less work than the shaft gives."""
     result = solve(spline(0.2, center_offset_mm=0.02))
     friction = result.friction
     assert not any("friction has no effect" in note for note in result.warnings)
@@ -421,7 +421,7 @@ def test_nothing_is_held_where_every_lever_turns_round() -> None:
 def test_plain_elements_find_the_same_changes() -> None:
     """Hats over fine elements, equal cells, the sign from the pitch circle: nothing in common.
 
-    Both have errors of their own (0.2 % without friction): what friction changes is compared.
+    Both have errors of their own (0.2 % without friction): the effects of friction are compared.
     """
     keys = {
         "body_1": gear(16, 0.182, 82.46, 30.0),

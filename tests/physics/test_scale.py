@@ -73,7 +73,7 @@ def solved(name: str, size: float = 1.0) -> fl.Result:
 
 
 def without_dimension(result: fl.Result, size: float) -> dict[str, np.ndarray]:
-    """What does not depend on the size."""
+    """Numbers that do not depend on the size."""
     return {
         "rotation": result.rotation_rad,
         "transmission error": result.transmission_error_um / size,

@@ -34,8 +34,8 @@ COARSE = {
 }
 #: Forces of slices settle to 1e-6 of the largest; an error of a place is as small.
 SETTLED = 1e-5
-#: Parts of what shafts change: normals and levers are those of undisplaced flanks in the core, and
-#: those of the loaded contacts by hand. Of rotations, of forces.
+#: Relative to the effect of shafts: normals and levers are those of undisplaced flanks in the core,
+#: and those of the loaded contacts by hand. Of rotations, of forces.
 AS_GAPS, FORCES_AS_GAPS = 1e-3, 3e-2
 #: Sides that change their sign in a mirror z -> -z.
 MIRROR = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])

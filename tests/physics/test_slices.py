@@ -304,7 +304,7 @@ def test_helix_slopes_of_both_signs() -> None:
 
 
 def test_a_gap_of_all_slices_is_a_pitch_deviation() -> None:
-    """Metal removed from all slices, and teeth that stand back."""
+    """Metal removed from all slices, and teeth set back."""
     pair, _ = plane()
     gap = np.full(pair.pairing.sites.size, 0.003)
     found, _ = short(gap=np.full(10, 0.003))

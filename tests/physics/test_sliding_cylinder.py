@@ -107,7 +107,7 @@ def test_rigid_cylinder_slides_on_a_half_plane(
     carries = x[force > 0]
     found = carries.max() - carries.min() + np.diff(x).mean()
     assert found == pytest.approx(width, abs=1.5 * np.diff(x).mean())
-    # what the pairing on circles and the flanks' own normals do without friction
+    # the effect of pairing on circles and of the flanks' own normals without friction
     x_0, force_0, _ = sliding_contact(0.0, elastic=elastic, sense=sense)
     moved = x @ force / force.sum() - x_0 @ force_0 / force_0.sum()
     assert moved == pytest.approx(side * sense * offset, abs=CLOSED_FORM * width)

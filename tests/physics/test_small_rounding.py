@@ -29,7 +29,7 @@ LEVER, DISTANCE = 20000.0, 50000.0
 KERNEL = 3e-6
 #: Nodes of Gauss's rules.
 NODES = 20000
-#: Error of the largest pressure at the default cells, and at four times as many: what is left is
+#: Error of the largest pressure at the default cells, and at four times as many: the rest is
 #: rather that of the circles about O1 and of the curves.
 DEFAULT, FINE = 5e-3, 1e-3
 

@@ -1,4 +1,4 @@
-"""Splines: equal shares, what travels with an offset, index errors as springs, convergence."""
+"""Splines: equal shares, loads that travel with an offset, index errors as springs, convergence."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def test_minimum_where_flanks_conform_less_is_no_contact_beside_the_one_where_th
 
 
 def test_small_offset_is_none_in_the_limit() -> None:
-    """Below what the load closes, the wind-up changes by the square of the offset or less."""
+    """For offsets that the load closes, the wind-up changes by their square or less."""
     none = solved().rotation_rad[0]
     for offset, least in ((1e-5, 1e-9), (1e-4, 1e-7), (1e-3, 1e-5)):
         found = solved(offset=offset, angles=[0.0]).rotation_rad[0]

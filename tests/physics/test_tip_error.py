@@ -19,7 +19,7 @@ from tests.support.tolerances import ROUND_OFF
 SCENE = example("external_gear")
 MODULE = 4.5
 ROUNDED = {"tip_radius_mm": 0.08 * MODULE}
-#: Forces at nodes stand normal to each place of the rounding, those of the core to the contact as a
+#: Forces at nodes are normal to each place of the rounding, those of the core to the contact as a
 #: whole: a degree or two over a rounding of 0.08 modules. Along the places' own normals modes leave
 #: 0.1 % and 0.2 points.
 ROTATION_LEFT, SHARE_LEFT = 5e-3, 4e-3
@@ -30,7 +30,7 @@ CHAMFER_DEG, TURNED = [6.2, 7.0, 15.8], 0.02
 CORNER_DEG = [5.0, 6.0]
 #: Positions at which a pair is on the rounding of the wheel's tip, then of the pinion's.
 ANGLES_DEG = [5.6, 5.9, 6.2, 6.6, 15.8, 16.6, 16.9]
-#: What forces at nodes 0.0125 mm apart find there, which know neither modes nor half-planes
+#: The same by forces at nodes 0.0125 mm apart, without modes and half-planes
 #: (near_field = "nodes", flank_element_mm = 0.0125, a minute; half as many nodes: 0.1 to 0.25 %).
 ROTATION = np.array(
     [0.001278721, 0.001163844, 0.001077682, 0.001007588, 0.0009863419, 0.001086758, 0.001162216]

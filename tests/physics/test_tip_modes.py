@@ -1,6 +1,6 @@
 """Compliance of a tooth on a tip rounding or chamfer, against fine elements under plain pressures.
 
-Pressures of Hertz's shape stand on the flank, over the start of the tip and on it. The fine
+Pressures of Hertz's shape act on the flank, over the start of the tip and on it. The fine
 elements carry them as they are: neither modes nor a near field.
 """
 
@@ -52,7 +52,7 @@ RING = {
 #: Half-width of the pressures, modules; nodes of the plain elements, modules.
 HALF_WIDTH, NODES = 0.03, 1.0 / 120
 STRIPS = 400
-#: What elements of 1/4.5 module leave at places on and before a rounding, in strengths of the
+#: Errors of elements of 1/4.5 module at places on and before a rounding, in strengths of the
 #: logarithm, of 6 to 23 in all. The flank's modes, kept beyond its end, were off by 3 where it
 #: begins and by 12 on it.
 ROUNDED = 0.2
@@ -155,8 +155,8 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
     )
     parts = np.stack([np.sin(tip.turn_rad - turns), np.sin(turns)]) / np.sin(tip.turn_rad)
     modes = parts.T @ np.stack([on_flank, on_chamfer])
-    yields = np.einsum("ka,ab,kb->k", modes, found.smooth[0], modes)
-    apart = (yields - yields[0]) - (exact - exact[0])
+    moved = np.einsum("ka,ab,kb->k", modes, found.smooth[0], modes)
+    apart = (moved - moved[0]) - (exact - exact[0])
     assert exact[2] < 0.7 * exact[0]
     assert np.abs(apart).max() < CHAMFERED * found.near.kernel
 
@@ -255,7 +255,7 @@ def test_modes_go_on_steadily_over_a_rounding() -> None:
 
 
 def test_fewer_modes_are_those_of_a_smaller_job() -> None:
-    """The tip keeps its own; what the flank's highest carried goes to the others."""
+    """The tip keeps its own; the load of the flank's highest mode goes to the others."""
     body = made({"tip_radius_mm": 0.2 * MODULE})
     more, fewer = (
         flank_compliance(body, JobOptions(n_modes=n, plane="strain", friction=True), sectors=1)

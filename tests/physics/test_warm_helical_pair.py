@@ -1,4 +1,4 @@
-"""Uniform thermal expansion of three-dimensional bodies: sizes, helices, and what is refused."""
+"""Uniform thermal expansion of three-dimensional bodies: sizes, helices, refused scenes."""
 
 from __future__ import annotations
 

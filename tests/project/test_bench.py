@@ -1,4 +1,4 @@
-"""What the benches measure by: the error of an answer, and packages that find the same."""
+"""Measures of the benches: the error of an answer, and packages that agree."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_residual_reveals_a_wrong_answer(friction: float) -> None:
     assert residual(problem, right, state.rotation * (1.0 + 1e-6)) > 100 * EXACT_ENOUGH
 
 
-@pytest.mark.filterwarnings("default")  # what packages warn of at import is not ours
+@pytest.mark.filterwarnings("default")  # warnings of packages at import are not ours
 @pytest.mark.parametrize(
     ("package", "friction"), SOLVED, ids=[f"{package.name}-{mu:g}" for package, mu in SOLVED]
 )
@@ -159,7 +159,7 @@ def test_bench_of_effects_knows_all_that_a_scene_can_call_for() -> None:
 
 
 def test_the_compiled_bench_of_a_sweep_is_handed_a_scene() -> None:
-    """What it does not read (nodes, shifts) stood in its way."""
+    """Parts that it does not read (nodes, shifts) were refused."""
     job = Job(fl.read_scene(ROOT / "examples" / "scenes" / "external_gear.toml"))
     numbers = _numbers(job, 3, 1000.0, job.bodies.discretization.grid)
     np.testing.assert_array_equal(numbers[:2], [3.0, 1000.0])

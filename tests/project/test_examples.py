@@ -1,4 +1,4 @@
-"""Examples and README: what they print is what they say."""
+"""Examples and README: their output is the one that they show."""
 
 import contextlib
 import io

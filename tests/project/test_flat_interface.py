@@ -323,7 +323,7 @@ def test_the_core_prints_opens_and_stops_nothing() -> None:
 def test_the_library_shows_its_own_names_alone() -> None:
     library = FORTRAN.parent / "build" / "fortran" / "libflankload.so"
     if not library.exists():
-        pytest.skip("the library stands elsewhere")
+        pytest.skip("the library is elsewhere")
     listed = subprocess.run(
         ["nm", "-D", library], capture_output=True, text=True, check=True
     ).stdout.splitlines()

@@ -1,4 +1,4 @@
-"""What is written of the core: each name in its table exists, each procedure says what it takes."""
+"""Documentation of the core: each name in its table exists, each argument is documented."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_the_table_names_the_folders() -> None:
 
 
 def test_the_table_leaves_no_file_out() -> None:
-    """But for what is not of the method: kinds, rounding, errors, types, LAPACK, the façade."""
+    """Except modules beside the method: kinds, rounding, errors, types, LAPACK, the façade."""
     named = {name.partition(": ")[0] for row in table_rows() for name in row if ".f90" in name}
     beside = {"kinds.f90", "rounding.f90", "status.f90", "error.f90", "lapack.f90"}
     beside |= {"contact_result.f90", "mesh.f90"}
@@ -84,7 +84,7 @@ def test_every_procedure_and_its_arguments_are_documented() -> None:
 
 
 def silent_arguments(lines: list[str], start: int) -> list[str]:
-    """Dummy arguments without a line above them; one line may stand above several."""
+    """Dummy arguments without a line above them; one line may be above several."""
     found = []
     for k in range(start + 1, len(lines)):
         if re.match(r"\s*(end (subroutine|function)|contains\b)", lines[k]):

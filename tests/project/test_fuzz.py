@@ -1,4 +1,4 @@
-"""The fuzz of the benches runs, and its oracles find what is wrong."""
+"""The fuzz of the benches runs, and its oracles find faults."""
 
 from __future__ import annotations
 

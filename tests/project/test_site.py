@@ -185,7 +185,7 @@ def test_dead_links_and_fetched_files_of_a_site_are_found(tmp_path: Path) -> Non
 
 
 def test_the_generated_tables_hold_no_raw_values() -> None:
-    """A default that cannot be shown would stand there as a Python object."""
+    """A default that cannot be shown would appear as a Python object."""
     import make_reference
 
     for text in (make_reference.scene_keys(), make_reference.python_api()):

@@ -31,7 +31,7 @@ def imported(module: Path, nodes: list[ast.AST]) -> Iterator[str]:
 
 
 def faults_of(module: Path, text: str) -> list[str]:
-    """What a module imports that it must not."""
+    """Forbidden imports of a module."""
     own = module.relative_to(TESTS).parts[0]
     allowed = {"support", own} | (TESTED if own == "project" else set())
     nodes = list(ast.walk(ast.parse(text)))

@@ -62,7 +62,7 @@ def test_package_says_that_it_is_typed() -> None:
 
 
 def test_changelog_knows_the_version_of_the_build() -> None:
-    """What is built is the next version, or the one that was tagged last."""
+    """The built version is the next one, or the one tagged last."""
     build = (ROOT / "meson.build").read_text(encoding="utf-8")
     version = re.search(r"^    version: '([\d.]+)'", build, re.MULTILINE)[1]
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

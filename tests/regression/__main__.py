@@ -1,6 +1,6 @@
 """Make references anew: ``python -m tests.regression [NAME …] [--check]``.
 
-A name may be the beginning of several; without a name all are made. What moved is printed quantity
+A name may be the beginning of several; without a name all are made. Changes are printed quantity
 by quantity; with ``--check`` nothing is written.
 """
 
@@ -15,7 +15,7 @@ from .scene_cases import scene_cases
 
 
 def main(arguments: list[str]) -> int:
-    """Make what is asked for."""
+    """Make the selected references."""
     wanted = [argument for argument in arguments if argument != "--check"]
     cases = contact_cases() | nodal_cases() | scene_cases()
     names = [name for name in cases if not wanted or name.startswith(tuple(wanted))]

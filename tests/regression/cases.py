@@ -1,4 +1,4 @@
-"""A case: what goes in, and how its quantities come out."""
+"""A case: its input, and the function that computes its quantities."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Case:
     Attributes
     ----------
     inputs : dict
-        What was solved, as data that a reader can use elsewhere.
+        The solved problem, as data that a reader can use elsewhere.
     provenance : str
         Source of the problem, and other evidence for its answer.
     solve : callable

@@ -1,4 +1,4 @@
-"""References as files, and how far what is found has moved from them."""
+"""References as files, and the distance of results from them."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def plain(value: Any) -> Any:
 
 
 def plain_tree(value: Any) -> Any:
-    """Inputs in the same manner; lists of lists stay what they are."""
+    """Inputs in the same manner; lists of lists do not change."""
     if isinstance(value, dict):
         return {key: plain_tree(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -66,7 +66,7 @@ def plain_tree(value: Any) -> Any:
 
 
 def reference_of(name: str, case: Case) -> dict[str, Any]:
-    """What a reference file holds, solved now."""
+    """The content of a reference file, solved now."""
     quantities = {}
     for key, value in case.solve().items():
         about = case.known[key.split(" at ")[0]]
@@ -141,7 +141,7 @@ def _movement(key: str, before: dict[str, Any], now: Any) -> Movement:
 
 
 def table(name: str, rows: list[Movement]) -> str:
-    """What moved by how much."""
+    """Quantities that moved, and by how much."""
     lines = [f"{name}:"]
     width = max((len(row.quantity) for row in rows), default=0)
     for row in rows:

@@ -20,7 +20,7 @@ from .quantities import CONTACT
 
 THREE = [[10, 9.4, 8], [9.4, 10, 9.4], [8, 9.4, 10]]
 TWINS = [[2, 1, 1, 0.5], [1, 2, 2, 1], [1, 2, 2, 1], [0.5, 1, 1, 2]]
-#: As many forces of a large problem as say what it does.
+#: As many forces of a large problem as characterize it.
 SAMPLES = 12
 
 
@@ -56,7 +56,7 @@ def _numbers(state: fl.ContactState) -> dict[str, Any]:
         found["sums_of_groups"] = [
             state.normal_forces[list(group)].sum() for group in state.info.undetermined
         ]
-        # neither the split nor what follows from it alone
+        # neither the split nor numbers that follow from it alone
         some = np.array([k for k in some if k not in undetermined])
         found.pop("condition")
         found.pop("active_pairs")

@@ -1,4 +1,4 @@
-"""What a reference holds: units, and how far each quantity may move before it is a change."""
+"""Quantities of a reference: units, and the distance that counts as a change."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ CONTACT = {
     "forces": Quantity("N", 1e-9, 0.0, _SOLVED),
     "gaps": Quantity("rad or mm", 1e-9, 0.0, _SOLVED),
     "tangent": Quantity("motion/load", 1e-9, 0.0, _SOLVED),
-    "sums_of_groups": Quantity("N", 1e-9, 0.0, "sums of what is not determined pair by pair"),
+    "sums_of_groups": Quantity("N", 1e-9, 0.0, "sums of forces not determined pair by pair"),
     "condition": Quantity("1", 1e-2, 0.0, "an estimate of a norm"),
     "held": Quantity("N mm", 1e-6, 1e-12, "where a path ends, found by the last of its steps"),
 }

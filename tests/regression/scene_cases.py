@@ -125,7 +125,7 @@ OTHERS: dict[str, tuple[str, dict[str, dict[str, Any]]]] = {
     ),
 }
 
-#: What some variants have beside the quantities of every scene.
+#: Quantities of some variants beside those of every scene.
 BESIDE: dict[str, tuple[str, ...]] = {
     "root_stress": ("root_tension_MPa", "root_compression_MPa"),
     "harmonics": ("transmission_error_harmonics_um", "contact_ratio_under_load"),
@@ -229,7 +229,7 @@ def _example(path: Path) -> dict[str, Any]:
 
 
 def _positions(tree: dict[str, Any]) -> str:
-    return "as it stands" if tree["body_2"]["kind"] == "belt" else f"{POSITIONS} positions"
+    return "unchanged" if tree["body_2"]["kind"] == "belt" else f"{POSITIONS} positions"
 
 
 def parents() -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Every reference is met; ``./dev reference`` makes them anew and says what moved."""
+"""Every reference is met; ``./dev reference`` makes them anew and prints the changes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MORE_IS_SEEN = {
     f"variant_{name}"
     for name in ("two_torques", "root_stress", "adaptive", "harmonics", "estimates", "sliding")
 }
-#: What a variant changes at least of the largest number: ten times what a reference may move.
+#: Least change of the largest number by a variant: ten times the tolerance of a reference.
 LEAST_DIFFERENCE = 1e-5
 NAMES = sorted(path.stem for path in REFERENCES.glob("*.json"))
 
@@ -53,7 +53,7 @@ def found_at(reference: dict[str, Any], places: list[float]) -> dict[str, np.nda
 
 @pytest.mark.parametrize(("name", "parent"), parents().items(), ids=parents())
 def test_variant_differs_from_its_parent(name: str, parent: str) -> None:
-    """Two were the plain gear in every digit: what they are about touched none of its teeth."""
+    """Two were the plain gear in every digit: their keys affected none of its teeth."""
     before, now = read_reference(parent), read_reference(name)
     if name in MORE_IS_SEEN:
         one, two = before["quantities"], now["quantities"]

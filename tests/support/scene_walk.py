@@ -134,7 +134,7 @@ def other_values(scene: Scene) -> Iterator[tuple[str, list[dict[str, Any]]]]:
 
 
 def _filled(changes: dict[str, Any], name: str, table: Table) -> dict[str, Any]:
-    """Changes with the path of their table and what depends on it."""
+    """Changes with the path of their table and the paths that depend on it."""
     found = {path.replace("{}", name): value for path, value in changes.items()}
     for mark, key in PLACES.items():
         modules = found.pop(f"{name}.{mark}", None)

@@ -26,7 +26,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 E, NU = 206000.0, 0.3
 WIDTH, SHAFT, BEARINGS = 40.0, 28.0, (-60.0, 60.0)
-#: N/mm of each bearing; what holds the shaft axially and against turning at its end.
+#: N/mm of each bearing; of the axial and the rotational support at its end.
 RADIAL, AXIAL, TURNING = 3e5, 1e6, 1e10
 #: Ends of layers from the end faces of the pinion outwards, mm.
 OUTSIDE = np.array([0.0, 1.5, 4.0, 8.0, 14.0, 22.0, 31.0, 40.0])

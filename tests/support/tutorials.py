@@ -19,7 +19,7 @@ FILE_NAME = re.compile(r"# ([\w-]+\.toml)\n")
 
 
 class Output(NamedTuple):
-    """What a snippet printed, and what the page shows; "..." in the page is any text."""
+    """Output of a snippet, and that of the page; "..." in the page is any text."""
 
     code: str
     printed: str
@@ -27,7 +27,7 @@ class Output(NamedTuple):
 
     @property
     def agrees(self) -> bool:
-        """Whether the page shows what was printed."""
+        """Whether the page shows the output."""
         return OutputChecker().check_output(self.shown, self.printed, ELLIPSIS)
 
 

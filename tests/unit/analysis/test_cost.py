@@ -1,4 +1,4 @@
-"""What a run costs: every kind of work counted where it is done, in the stage that asked for it."""
+"""Cost of a run: every kind of work counted where it is done, in the stage that requires it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from flankload.mechanisms.flank_pair import prediction
 from tests.support.gear_scenes import changed
 from tests.support.paths import DOCS, SCENES
 
-#: Of every solution with a factor it is known what for.
+#: Every solution with a factor has a purpose.
 SOLUTIONS = (
     "unit_loads_normal",
     "unit_loads_tangential",
@@ -200,7 +200,7 @@ def test_states_that_found_no_room_are_counted_when_they_are_solved_again(
 
 # --- predicted ------------------------------------------------------------------------------------
 def differences(cost: dict[str, Any]) -> dict[tuple[str, str], tuple[int, int]]:
-    """What was predicted of a counter and spent otherwise."""
+    """Counters whose predictions differ from the run."""
     return {
         (stage, name): (predicted, spent)
         for stage, account in cost["stages"].items()

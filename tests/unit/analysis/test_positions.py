@@ -18,7 +18,7 @@ from tests.support.paths import SCENES
 from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-#: What is asked of adaptive positions: harmonics against a dense sweep, relative to each of them,
+#: Requirements on adaptive positions: harmonics against a dense sweep, relative to each of them,
 #: or to a tenth of the largest where it is smaller; the mean and the contact ratio as they come.
 HARMONICS, MEAN, CONTACT_RATIO = 3e-3, 1e-4, 2e-3
 DENSE = 768
@@ -64,7 +64,7 @@ def errors_of(teeth: int, seed: int) -> np.ndarray:
 
 
 TORQUES = {"external_gear": (302.0, 90.0, 15.0), "internal_gear": (450.0, 135.0, 22.0)}
-#: Solves of a single torque: what is asked, and what is found today.
+#: Solves of a single torque: limit, and number found today.
 MOST_SOLVES = {"external_gear": 60, "internal_gear": 200}
 
 
@@ -89,7 +89,7 @@ def test_adaptive_positions_are_as_good_as_a_dense_sweep(name: str, which: tuple
         left = result.estimate["by_source"]["positions"]
         assert error.max() < left["transmission_error_harmonics"] < HARMONICS
         span, whole = (r.summary["transmission_error_peak_to_peak_um"] for r in (result, reference))
-        # found positions: what is between two of them is the estimate's
+        # found positions: the estimate covers the curve between them
         assert whole - span < left["transmission_error_peak_to_peak"] * span
         assert left["transmission_error_peak_to_peak"] < HARMONICS
         assert result.summary["transmission_error_mean_um"] == pytest.approx(
@@ -109,7 +109,7 @@ def test_adaptive_positions_are_as_good_as_a_dense_sweep(name: str, which: tuple
 
 
 def test_adaptive_positions_are_those_of_single_sweeps() -> None:
-    """What rounds put together is what one sweep of the same positions finds, bit by bit."""
+    """Several rounds together equal one sweep of the same positions, bit by bit."""
     (found,) = solved("external_gear", (302.0,), adaptive=True)
     (again,) = solved("external_gear", (302.0,), angles_deg=np.degrees(found.position_rad))
     np.testing.assert_allclose(again.position_rad, found.position_rad, rtol=ROUND_OFF, atol=0)
@@ -219,7 +219,7 @@ def test_angles_that_leave_a_part_open_have_no_harmonics() -> None:
     for result in (half, single):
         assert result.summary["transmission_error_harmonics_um"] is None
         assert result.summary["contact_ratio_under_load"] is None
-    # weighted by turn where there are no holes, else as they stand
+    # weighted by turn where there are no holes, otherwise unweighted
     steps = np.diff(half.position_rad)
     error = half.transmission_error_um
     trapezes = (steps * (error[1:] + error[:-1]) / 2).sum() / steps.sum()
@@ -355,7 +355,7 @@ def test_adaptive_positions_over_a_window_reach_its_end() -> None:
 
 
 def test_hunting_period_inside_a_ring() -> None:
-    """24 teeth in 60: 120 pitches, of which each position is what it is alone."""
+    """24 teeth in 60: 120 pitches; each position equals that of a separate run."""
     tables = tomllib.loads((SCENES / "internal_gear.toml").read_text(encoding="utf-8"))
     tables["body_1"]["pitch_errors_um"] = errors_of(24, 3).tolist()
     tables["body_2"] |= {"pitch_errors_um": errors_of(60, 4).tolist(), "rigid": True}

@@ -72,7 +72,7 @@ def test_threads_that_write_into_one_folder_do_not_swap_files(tmp_path: Path) ->
         write_atomically(tmp_path / name, name * 5000)
 
     with ThreadPoolExecutor(8) as pool:
-        list(pool.map(write, names))  # raises what a thread raised
+        list(pool.map(write, names))  # raises the exception of a thread
     assert sorted(os.listdir(tmp_path)) == sorted(set(names))
     for name in names:
         assert (tmp_path / name).read_text(encoding="utf-8") == name * 5000

@@ -1,4 +1,4 @@
-"""The public names: what they show, what they refuse, what they import."""
+"""The public names: their short forms, refused arguments, imports."""
 
 import subprocess
 import sys

@@ -20,7 +20,7 @@ from tests.support.kernel_counts import pairs_in_contact
 from tests.support.paths import ROOT
 from tests.support.tolerances import SOLVER
 
-#: Peaks of pressure stand on the inverse of influence numbers, which makes 1e-10 of rounding.
+#: Peaks of pressure follow from the inverse of influence numbers, with rounding of 1e-10.
 PEAK = 1e-7
 #: Kernels that every processor with AVX2 has; others are only slower where it has not.
 KERNELS = ("Nehalem", "Sandybridge", "Haswell")

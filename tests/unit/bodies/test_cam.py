@@ -1,4 +1,4 @@
-"""Cams and followers: tables, profile, motion, meshes, what cannot be, results, pictures."""
+"""Cams and followers: tables, profile, motion, meshes, impossible cams, results, pictures."""
 
 from __future__ import annotations
 
@@ -252,7 +252,7 @@ def test_a_cam_has_no_tooth_roots() -> None:
     )
 
 
-# --- what cannot move ---------------------------------------------------------------------------
+# --- impossible motions -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

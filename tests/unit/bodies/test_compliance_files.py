@@ -40,7 +40,7 @@ from tests.support.gear_pair import ONE, TWO
 from tests.support.nodal_files import csv_of, flank_order, nodal_arrays, to_pressures, write_npz
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-#: Wanted of a matrix between nodes of half a millimetre's elements; what remains is the curve
+#: Tolerance of a matrix between nodes of half a millimetre's elements; the rest is the curve
 #: through the nodes instead of the exact profile.
 NODAL = 3e-3
 #: The same of the peak pressure, which needs the curvature of that curve.
@@ -111,7 +111,7 @@ def test_estimate_is_that_of_the_original(folder: Path) -> None:
     here, there = found.estimate["by_source"], solved(**keys).estimate["by_source"]
     assert here["strips"] == there["strips"]
     assert here["modes"] == there["modes"]
-    # what elements miss is not known of a compliance from a file, and the result says so
+    # the error of the elements of a compliance from a file is unknown, and the result says so
     assert "elements" not in here
     assert any("imported compliance of body_1 and body_2" in note for note in found.warnings)
 
@@ -308,7 +308,7 @@ def test_matrix_between_nodes_gives_the_rotation_of_the_direct_way(
 def test_forces_and_pressures_of_the_same_elements_agree(
     nodal: tuple[dict, dict], tmp_path: Path
 ) -> None:
-    """What is left is the length of the elements: along the curve, or along chords."""
+    """The rest is the length of the elements: along the curve, or along chords."""
     forces = with_nodal(tmp_path, *nodal)
     pressures = with_nodal(tmp_path, *(to_pressures(arrays) for arrays in nodal))
     np.testing.assert_allclose(pressures.rotation_rad, forces.rotation_rad, rtol=1e-3, atol=0)
@@ -393,7 +393,7 @@ def test_mass_matrix_holds_length_and_linear_pressure(quadratic: bool) -> None:
 def test_projection_is_exact_where_the_elements_are(quadratic: bool, of_pressures: bool) -> None:
     """A compliance that is a polynomial of the elements' degree along and across.
 
-    Its nodal matrix is the polynomial at the nodes; what the modes see of it is an integral.
+    Its nodal matrix is the polynomial at the nodes; that of the modes is an integral.
     """
     degree = 2 if quadratic else 1
     s = np.array([0.0, 0.3, 0.6, 1.1, 1.6, 1.8, 2.0])
@@ -648,7 +648,7 @@ def test_pickle_is_never_loaded(tmp_path: Path) -> None:
 
 
 def archive_with(path: Path, name: str, head: dict[str, Any], zeros: int, mode: str = "w") -> None:
-    """An archive with an array that says of itself what it likes and unpacks to so many zeros."""
+    """An archive with an array of any stated size that unpacks to so many zeros."""
     head = {"descr": "<f8", "fortran_order": False, "shape": (), **head}
     with ZipFile(path, mode, ZIP_DEFLATED) as archive, archive.open(f"{name}.npy", "w") as out:
         np.lib.format.write_array_header_1_0(out, head)

@@ -86,7 +86,7 @@ def test_curve_through_the_nodes_is_near_and_says_how_near(parametric: fl.Result
         if (match := re.search(r"estimated deviation .* (\S+) um", warning))
     ]
     assert len(deviations) == 2
-    # what the deviation explains: both flanks' share of the rotation at the base radius of body 1
+    # explained by the deviation: both flanks' share of the rotation at the base radius of body 1
     largest = np.abs(found.rotation_rad - parametric.rotation_rad).max() * 33.8289
     assert largest < 3 * sum(deviations)
 
@@ -288,7 +288,7 @@ def test_misplaced_bodies_are_refused_or_named(distance: float) -> None:
 
 @pytest.mark.parametrize("whole", [False, True])
 def test_the_wrong_flank_is_blamed_not_the_centre_distance(tmp_path: Path, whole: bool) -> None:
-    """Regression: the coast flank, taken in its mirror image, stood half a pitch apart."""
+    """Regression: the coast flank, taken in its mirror image, was half a pitch away."""
 
     def name_the_coast_flank(mesh: meshio.Mesh) -> None:
         tags = mesh.cell_data["gmsh:physical"]

@@ -1,4 +1,4 @@
-"""Files of a measured topography: what they hold, and what is refused in one line."""
+"""Files of a measured topography: their contents, and faults refused in one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bodies meshed as a whole: the numbers of their sector in every format; where flanks stand."""
+"""Bodies meshed as a whole: the numbers of their sector in every format; places of flanks."""
 
 from __future__ import annotations
 
@@ -259,7 +259,7 @@ def test_another_mesher_agrees_within_its_deviation(tmp_path: Path) -> None:
         if (match := re.search(r"estimated deviation .* (\S+) um", warning))
     ]
     assert len(deviations) == 2
-    # the same elements with the exact profile: what is left comes from the curve
+    # the same elements with the exact profile: the rest comes from the curve
     smooth = ~(found.corner_contact.any(axis=1) | exact.corner_contact.any(axis=1))
     apart = np.abs(found.rotation_rad - exact.rotation_rad)[smooth].max() * RADIUS["body_1"]
     assert apart < 2 * sum(deviations)
@@ -302,7 +302,7 @@ torque_Nm = 302
     assert_same(found, by_nodes)
 
 
-# --- what is refused ------------------------------------------------------------------------------
+# --- refused meshes -------------------------------------------------------------------------------
 def refusal(body_1: dict) -> SceneError:
     with pytest.raises(SceneError) as caught:
         build_bodies(scene_of(body_1, sector("body_2", COARSE_WHEEL)))

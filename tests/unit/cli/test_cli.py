@@ -175,7 +175,7 @@ def test_bad_input_gets_exit_2_and_one_line(
     assert os.listdir(tmp_path) == ["pair.toml"]
 
 
-# --- what does not need a solution ----------------------------------------------------------------
+# --- without a solution ---------------------------------------------------------------------------
 def test_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
     import flankload
 

@@ -15,7 +15,7 @@ from tests.support.paths import SCENES
 SCENE = SCENES / "external_gear.toml"
 #: Uninterrupted it would end after some ten seconds, and well.
 COUNT = 20_000
-#: A generous bound for what takes milliseconds.
+#: A generous bound for work of milliseconds.
 SOON_S = 60.0
 
 #: The command as it is installed, which says when it begins …

@@ -475,7 +475,7 @@ def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
     [("block", 3.0), ("block", 0.0), ("smooth", NAN), ("kernel", -1.0), ("wedge", -0.1)],
 )
 def test_values_spoiled_in_a_record_are_refused(name: str, value: float) -> None:
-    """The caller owns the array: what was checked when it was packed is checked again."""
+    """The caller owns the array: it is checked again although it was checked when packed."""
     record = record_of(("wedge", [0.0, 0.3]))
     place = int(record[7 + 2 * NAMES.index(name)]) - 1
     record[place] = value

@@ -1,4 +1,4 @@
-"""Method `block`: the same states as one pair at a time, and what is promised of the matrix."""
+"""Method `block`: the same states as one pair at a time, and promises about the matrix."""
 
 from __future__ import annotations
 

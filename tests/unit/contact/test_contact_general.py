@@ -204,7 +204,7 @@ def test_three_planets_share_equally_where_the_sun_floats(seed: int) -> None:
     share = TORQUE / (3 * BASE_RADIUS)
     state = fl.solve_contact_general(compliance, pins, levers, [TORQUE, 0, 0])
     np.testing.assert_allclose(state.normal_forces, share, rtol=10 * ROUND_OFF, atol=0)
-    # What the sun moves follows from its three gaps.
+    # The motion of the sun follows from its three gaps.
     moved = np.linalg.solve(levers, compliance @ np.full(3, share) + pins)
     np.testing.assert_allclose(state.motions, moved, rtol=0, atol=SOLVER * np.abs(moved).max())
 
@@ -282,7 +282,7 @@ def test_springs_of_a_bearing_folded_and_as_pairs() -> None:
 
 
 def test_a_stiff_bearing_is_a_fixed_centre() -> None:
-    """What a support of stiffness S leaves of the difference falls with 1/S."""
+    """The difference that a support of stiffness S leaves falls with 1/S."""
     compliance, levers = floating_spline()
     loads = np.array([TORQUE, 1000.0, -400.0])
     gaps = 1e-3 * levers[:, 1]
@@ -352,7 +352,7 @@ def test_a_load_against_all_levers_has_no_state() -> None:
 
 
 def test_own_backward_error_where_influences_cancel() -> None:
-    """Pair 0, without lever, is pressed by what pair 1 lifts: only its gap of 1e-9 is left over."""
+    """Pair 0, without lever, is pressed as pair 1 lifts: only its gap of 1e-9 remains."""
     compliance = [[0.9, -0.3], [-0.3, 0.7]]
     state = fl.solve_contact_general(compliance, [1e-9, 0.0], [0.0, 1.0], 1e5 / 3)
     expected = [(1e4 - 1e-9) / 0.9, 1e5 / 3]

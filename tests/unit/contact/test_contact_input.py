@@ -1,4 +1,4 @@
-"""Arguments of `solve_contact` that make no problem: one line that names what is wrong."""
+"""Arguments of `solve_contact` that make no problem: one line that names the fault."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def problems(draw: st.DrawFn) -> Drawn:
 def assert_same(
     forces: np.ndarray, rotation: float, problem: Drawn, state: fl.ContactState
 ) -> None:
-    """The same forces and rotation as a state, to what solvers leave on the problem's scale."""
+    """The same forces and rotation as a state, to the solver tolerance on the problem's scale."""
     scale = state.normal_forces.max() * max(1.0, 1e-5 * state.info.condition)
     np.testing.assert_allclose(forces, state.normal_forces, rtol=0, atol=SOLVER * scale)
     turn = max(abs(state.rotation), (np.abs(problem.gaps) / problem.levers).max())

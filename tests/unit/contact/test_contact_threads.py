@@ -106,7 +106,7 @@ def test_other_threads_run_during_a_call_of_the_core() -> None:
     assert during > 0
 
 
-#: Calls whose memory is counted, after some that fill what is kept once.
+#: Calls whose memory is counted, after some that fill the memory that is kept.
 CALLS, FIRST = 25_000, 5_000
 
 

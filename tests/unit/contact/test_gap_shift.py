@@ -1,4 +1,4 @@
-"""Flanks that stand out of their place by known loads: taken off the gaps, no unknown."""
+"""Flanks displaced by known loads: subtracted from the gaps, no unknown."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from tests.support.gear_pair import GEARS, ONE, TWO
 from tests.support.sweep_calls import assert_same
 from tests.support.tolerances import SOLVER
 
-#: A modified profile against its projection on the modes, of what it changes (measured 0.8 % of
+#: A modified profile against its projection on the modes, relative to its effect (measured 0.8 % of
 #: the rotation, of a force and of the peak pressure).
 PROFILE_MODEL = 0.01
 #: A scaled flank against the part of its motion along its normal: beside it is what the scaling
@@ -85,7 +85,7 @@ def shifted(compliance: BodyCompliance, modes: np.ndarray) -> BodyCompliance:
 
 @pytest.mark.parametrize("torque", [0.0, 302.0])
 def test_an_even_shift_is_metal_that_touches_early(torque: float) -> None:
-    """Mode 0 alone is what the deviation of a site says in one number."""
+    """Mode 0 alone equals the deviation of a site."""
     pair, (one, two) = job()
     modes = np.zeros(MODES)
     modes[0] = 0.008

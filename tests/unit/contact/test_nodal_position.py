@@ -14,7 +14,7 @@ from flankload import _core
 from tests.support.nodal_position import NodalPosition, nodal_position, spoilt
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-# What points 0.05 mm apart (a third of the half-width of the contact) leave: of the rotation, of
+# Errors with points 0.05 mm apart (a third of the half-width of the contact): of the rotation, of
 # the part of the load on a flank, and of the ratio of both torques (the circles leave that alone).
 ROTATION = 5e-4
 SHARE = 1e-3

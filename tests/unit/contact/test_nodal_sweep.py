@@ -15,7 +15,7 @@ from tests.support.nodal_sweep import NAMES, NodalSweep, nodal_sweep
 from tests.support.tolerances import SOLVER
 
 SPACING = 0.075
-# What points so far apart (half of the half-width of the contact) leave of the rotation and of the
+# Errors with points at half of the half-width of the contact: of the rotation and of the
 # part of the load on a flank, off tip edges and where a sharp one works: there the pressure has no
 # limit, and the error falls with the spacing itself.
 ROTATION, ROTATION_ON_EDGES = 2e-3, 2.5e-2

@@ -177,7 +177,7 @@ def test_equal_pitch_error_on_all_teeth_is_a_turn() -> None:
 def test_mirrored_driver_and_driven_agree_along_the_line_of_action(plain: fl.Result) -> None:
     """The wheel as body 1 with the same tooth force: the same approach of the two bodies.
 
-    The pairs stand on circles about the other axis, which leaves up to 1e-3.
+    The pairs are on circles about the other axis, which leaves an error of up to 1e-3.
     """
     swapped = fl.solve(
         fl.Scene.from_dict(

@@ -40,7 +40,7 @@ def test_a_torque_of_a_list_is_solved_as_if_it_stood_alone(kind: str, count: int
 
 
 def test_torque_lists_are_bitwise_the_same_with_any_number_of_threads() -> None:
-    """Threads share positions, and where pairs stand in the packed table depends on who is first.
+    """Threads share positions, and the order of pairs in the packed table depends on who is first.
 
     Both processes make their compliances themselves: numpy's BLAS keeps one thread.
     """
@@ -184,7 +184,7 @@ def test_an_exception_of_the_core_call_reaches_the_caller() -> None:
 
 
 def test_every_status_of_a_position_has_an_exception_and_words() -> None:
-    """But for tension, which only the paper's loop leaves, and what a sweep never says."""
+    """Except tension, which only the paper's loop leaves, and errors that no sweep has."""
     left_out = {Status.NEGATIVE_FORCE, Status.NO_ROOM, Status.UNSTEADY_POINTS}
     of_position = {status for status in Status if status < 0} - left_out
     assert {*EXCEPTIONS} == of_position

@@ -91,7 +91,7 @@ def test_compliance_of_a_gear_is_symmetric_and_counted() -> None:
 
 
 def test_fewer_modes_are_the_leading_block() -> None:
-    """What an own finite-element job with a mode less gives, without it."""
+    """The result of a separate finite-element job with one mode less."""
     body = gear_body(16, 2.0)
     five, four = (flank_compliance(body, JobOptions(n_modes=n, plane="strain")) for n in (5, 4))
     np.testing.assert_allclose(

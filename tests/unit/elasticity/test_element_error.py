@@ -1,4 +1,4 @@
-"""What elements miss of a compliance, on a rectangle: fields that they hold, finer meshes."""
+"""Error of the elements in a compliance, on a rectangle: exact fields, finer meshes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FINER = 4
 SMOOTH = (0.7, 1.2)
 #: … and of even ones on a single element, or half of one.
 NARROW = (0.8, 2.5)
-#: Order of the energy that quadratic elements miss, 4, less what two meshes show.
+#: Order of the energy error of quadratic elements, 4, reduced for two meshes.
 LEAST_ORDER = 3.7
 
 

@@ -57,7 +57,7 @@ def test_strength_falls_to_nothing_towards_a_smooth_surface() -> None:
 def test_strength_is_that_of_a_wedge_in_balance(angle: float) -> None:
     """Radial stress (a cos t + b sin t)/r about the bisector holds a unit force at the apex.
 
-    Its strain moves the flank by what the force works on as it moves the apex: ln r times
+    Its strain moves the flank by the work of the force at the motion of the apex: ln r times
     (a sin w/2 + b cos w/2)/E', which the half-plane's own, 2/(pi E'), is compared with.
     """
     half = 0.5 * np.radians(angle)

@@ -16,7 +16,7 @@ from tests.support.paths import SCENES
 #: Largest pressure of the spline, MPa: 40 strips, elements of 0.05 mm, 8 modes (5 at the default:
 #: 1.5 % more; 12: 1.6 % less).
 SPLINE_PEAK = 1627.1
-#: What elements that bear the modes leave of it.
+#: Its error with elements that carry the modes.
 BORNE = 0.03
 
 

@@ -1,4 +1,4 @@
-"""Where stress is read, the ring closure of the readings, and what a scene gets for asking."""
+"""Places of the root stress, the ring closure of the readings, and results of a scene with it."""
 
 from __future__ import annotations
 
@@ -256,7 +256,7 @@ def test_stress_of_a_spline_without_errors_is_the_same_on_every_tooth() -> None:
         np.testing.assert_allclose(tension, tension[0], rtol=SOLVER, atol=0)
 
 
-# --- what is asked for, and what is not -----------------------------------------------------------
+# --- requested and not requested ------------------------------------------------------------------
 def test_a_scene_that_does_not_ask_holds_nothing_of_it() -> None:
     result = fl.solve(scene_of(asked=False))
     assert result.root_stress == (None, None)

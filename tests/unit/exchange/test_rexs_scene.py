@@ -1,4 +1,4 @@
-"""The scene of a REXS stage: geometry, modifications, flanks, positions, load, what is left out."""
+"""The scene of a REXS stage: geometry, modifications, flanks, positions, load, omissions."""
 
 import re
 import tomllib
@@ -497,7 +497,7 @@ def test_a_torque_that_is_not_that_of_the_stage_is_not_taken(tmp_path: Path, rel
     assert line.startswith("cylindrical_stage 21: expected --torque-Nm, since the file has none")
 
 
-# --- what is missing or left out ------------------------------------------------------------------
+# --- missing or omitted ---------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("attribute", "component", "key"),
     [
@@ -549,7 +549,7 @@ def test_a_rule_of_scenes_names_the_file(tmp_path: Path) -> None:
 
 
 def test_each_attribute_is_read_or_listed(tmp_path: Path) -> None:
-    """Attributes of the stage are in the table of what is read, or have a line with a reason."""
+    """Attributes of the stage are in the table of attributes, or have a line with a reason."""
     read = {(kind, entry.attribute) for entry in TABLE for kind in entry.types}
     model = read_model(written(tmp_path, TEXT))
     lines = scene_of_stage(model, Choices(stage=21)).lines

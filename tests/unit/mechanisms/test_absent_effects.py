@@ -1,7 +1,7 @@
-"""What a scene does not call for leaves no trace: no work that is counted, nothing in the core.
+"""Effects that a scene does not request leave no trace: no counted work, nothing in the core.
 
-Each row of the table of effects has a case here: a scene with it, the same without, and what is
-seen of it in a run. A row without its case fails.
+Each row of the table of effects has a case here: a scene with it, the same without, and the
+quantity that shows it in a run. A row without its case fails.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tests.support.body_records import parts_of
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
 
-#: A pair that is soon solved; what it says of gears means nothing.
+#: A pair that is solved quickly, without meaning for gears.
 SMALL: dict[str, Any] = {
     "positions__count": 2,
     "accuracy__flank_element_mm": 3.0,
@@ -75,7 +75,7 @@ class Run:
 
 
 def amount(*names: str) -> Callable[[Run], float]:
-    """What arguments of the core hold, all taken together."""
+    """The contents of all arguments of the core together."""
 
     def of(run: Run) -> float:
         values = [np.ravel(call[name]) for call in run.calls for name in names]
@@ -144,14 +144,14 @@ def further_passes(run: Run) -> int:
 
 
 def land_rub(run: Run) -> float:
-    """What the lands of a belt take off its teeth."""
+    """The load that the lands of a belt take from its teeth."""
     drive = run.result.drive
     assert isinstance(drive, BeltDrive)
     return float(np.abs(drive.land_friction_N).sum())
 
 
 def land_lift(run: Run) -> float:
-    """How far the lands of a belt stand off the pulley."""
+    """Distance of the lands of a belt from the pulley."""
     drive = run.result.drive
     assert isinstance(drive, BeltDrive)
     return float(drive.land_lift_um.sum() + drive.last_land_lift_um.sum())
@@ -159,7 +159,7 @@ def land_lift(run: Run) -> float:
 
 @dataclass(frozen=True)
 class Case:
-    """How an effect is called for, how it is not, and what is seen of it.
+    """Keys of a scene with an effect and without it, and the quantity that shows it.
 
     `off` names the effect's keys where a scene without it can name them; `plain` says that a scene
     that names none of them is without it.

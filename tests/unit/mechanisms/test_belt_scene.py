@@ -1,4 +1,4 @@
-"""A timing belt on its pulley as a scene: what it refuses, what its result has, what is written."""
+"""A timing belt on its pulley as a scene: refused scenes, results, files."""
 
 from __future__ import annotations
 
@@ -226,7 +226,7 @@ def test_torques_share_the_elements_and_one_may_be_none() -> None:
 
 
 def test_estimate_is_the_change_by_finer_elements() -> None:
-    """Of the order of what elements half as long as those of the scene change."""
+    """Of the order of the change by elements half as long as those of the scene."""
     changes = {"accuracy": {"flank_element_mm": 0.625, "estimate": True}}
     result = solved(**changes)
     finer = solved(accuracy={"flank_element_mm": 0.3125, "estimate": False})
@@ -346,7 +346,7 @@ def test_friction_of_the_lands_helps_or_opposes() -> None:
 
 def test_land_that_would_lift_is_named_and_may_lift() -> None:
     held = solved(load={"slack_tension_N": 2})
-    # five teeth, 0 to 4: what lifts last is behind the last of them, before no tooth
+    # five teeth, 0 to 4: the land that lifts last is behind the last of them, before no tooth
     assert "the land lifts here: before tooth 4 and behind tooth 4 (of 0 to 4)" in held.warnings[0]
     assert "the land lifts here" in held.table()
     assert drive_of(held).last_land_N[0] < 0
@@ -430,7 +430,7 @@ def test_elastic_pulley() -> None:
 
 
 def test_estimate_knows_strands_over_grooves() -> None:
-    """What holds a belt at the edge of a land is no shorter with shorter elements."""
+    """The contact that holds a belt at the edge of a land is no shorter with shorter elements."""
     wrap = {"body_2": {"wrapped_teeth": 5}, "positions": {"angles_deg": [7.5]}}
     size = {"flank_element_mm": None, "estimate": True}
     result = solved(**wrap, accuracy=size)

@@ -1,4 +1,4 @@
-"""A chain on its sprocket as a scene: what it refuses, what its result has, what is written."""
+"""A chain on its sprocket as a scene: refused scenes, results, files."""
 
 from __future__ import annotations
 

@@ -41,8 +41,8 @@ CLOSURE = 1e-10
 LUMPED = 5e-3
 #: Pairs by their own normals, not by that of their contact, on their own row levers.
 ORACLE = 1e-3
-#: Forces at the points of flank 1 along their normals, about either axis: what pairing on circles
-#: leaves.
+#: Forces at the points of flank 1 along their normals, about either axis: residual of pairing on
+#: circles.
 ON_CIRCLES = 1.5e-3
 
 
@@ -92,7 +92,7 @@ def test_press_fit_loads_every_tooth_alike_on_both_sides() -> None:
 
 
 def test_stiffness_of_both_sides_follows_from_preload_and_one_side() -> None:
-    """Sum of what flanks recede by under forces alike and opposite on both sides of the teeth.
+    """Sum of the recessions of flanks under equal and opposite forces on both sides of the teeth.
 
     Each working flank recedes by (S + X) F under preload F on all flanks, by (S - X) dF under
     forces dF against each other, and by S F where the working flanks alone carry: flanks that
@@ -159,7 +159,7 @@ def test_curves_close_over_a_pitch() -> None:
     for force in (result.site_force_N, result.coast_force_N):
         carry = force > 0
         np.testing.assert_allclose(force[0, carry[0]], force[1, carry[1]], rtol=1e-7)
-        # what pair j carries, pair j - 1 carries a pitch later
+        # the load of pair j is that of pair j - 1 a pitch later
         np.testing.assert_array_equal(result.sites[carry[0]] - 1, result.sites[carry[1]])
 
 
@@ -190,7 +190,7 @@ def test_without_torque_both_sides_are_mirror_images() -> None:
 
 
 def test_state_is_that_of_an_independent_assembly(tight: Result) -> None:
-    """Gaps from the bodies as they stand, K from blocks and strips, the problem solved as such."""
+    """Gaps from the placed bodies, K from blocks and strips, the problem solved as such."""
     p = 4
     scene = scene_of(TIGHT, 60.0, **BOTH)
     pair = build_bodies(scene)
@@ -271,7 +271,7 @@ def _compliance(body: Body, z: int, sides: np.ndarray, joined: dict[str, np.ndar
     return np.where(same, result + cells_near_field(found, s, cell), result)
 
 
-# --- what crosses a tooth -----------------------------------------------------------------------
+# --- compliance across a tooth ------------------------------------------------------------------
 
 
 RING = Ring(
@@ -351,7 +351,7 @@ def test_friction_on_both_sides_keeps_the_balance_of_work() -> None:
         )
 
 
-# --- what a result says -------------------------------------------------------------------------
+# --- results ------------------------------------------------------------------------------------
 
 
 def test_files_and_table_have_the_coast_flanks(tight: Result) -> None:
@@ -372,7 +372,7 @@ def test_files_and_table_have_the_coast_flanks(tight: Result) -> None:
     assert "coast  pressure" in fit.table()
 
 
-# --- what is refused ----------------------------------------------------------------------------
+# --- refused scenes -----------------------------------------------------------------------------
 
 
 def refused(*scene: Any, **more: Any) -> str:

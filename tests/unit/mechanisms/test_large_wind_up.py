@@ -25,7 +25,7 @@ def gears(softer: float, torque_Nm: float) -> fl.Result:
 
 
 def one_result(tables: dict) -> fl.Result:
-    """Far beyond what is refused, too (test_premises.py)."""
+    """Also far beyond the limit at which scenes are refused (test_premises.py)."""
     found = fl.solve(fl.Scene.from_dict({**tables, "effects": {"beyond_limits": True}}))
     assert isinstance(found, fl.Result)
     return found

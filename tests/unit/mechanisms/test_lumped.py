@@ -1,4 +1,4 @@
-"""Lumped contact as a scene asks for it: what the result says, what it costs, what is refused."""
+"""Lumped contact requested by a scene: results, cost, refused scenes."""
 
 from __future__ import annotations
 

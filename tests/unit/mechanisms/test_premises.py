@@ -1,4 +1,4 @@
-"""Premises of the model: what breaks one is refused with its number, or marked where that is meant.
+"""Premises of the model: a violation is refused with its number, or marked if it is permitted.
 
 Every refusal is a `PremiseError`, exit code 2, and the same through all interfaces.
 """
@@ -158,7 +158,7 @@ def test_backlash_that_is_taken_up_is_refused() -> None:
     found = refused(gears(**errors))
     assert found.key == "body_1.pitch_errors_um"
     assert "effects.coast_flank = true" in found.expected
-    assert found.found.startswith("about 4")  # the error, and what the teeth lean back
+    assert found.found.startswith("about 4")  # the error, and the deflection of the teeth
     one_result(gears(**errors, effects={"coast_flank": True}))
     one_result(gears(load__torque_Nm=1))  # no backlash at all, and no overlap
 

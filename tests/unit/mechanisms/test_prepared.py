@@ -122,7 +122,7 @@ WALKED = {
     "external_gear_mesh_profile": r"body_1\.profile|body_2\.pitch|load",
     "external_gear_compliance": r"body|load",
 }
-#: What makes the first base three-dimensional: the bodies are made anew, whatever the key is. All
+#: Keys that make the first base three-dimensional: the bodies are made anew, whatever the key. All
 #: keys of three dimensions that the helical base has are walked there.
 SPATIAL_OF_FIRST = r"body_1\.(lead_crowning|face_width|axial|hub|rim|region|topography)|effects"
 #: Keys that make a plane scene three-dimensional if no other key does.
@@ -143,7 +143,7 @@ def bits(result: fl.Result) -> list[bytes]:
 
 
 def without_cost(result: fl.Result) -> fl.Result:
-    """A result without what was spent on it and on its compliances."""
+    """A result without its cost and that of its compliances."""
     geometry = result.geometry
     if geometry is not None and geometry.coast is not None:
         compliances = tuple(replace(part, job=JobCost()) for part in geometry.coast.compliances)

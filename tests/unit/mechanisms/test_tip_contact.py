@@ -1,4 +1,4 @@
-"""Tip and fillet contact left out: what stays the same, how much is missed, what is refused."""
+"""Tip and fillet contact left out: unchanged results, errors, refused scenes."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from tests.support.pair_scenes import EXTERNAL, RING_PAIR, SPLINE, solved
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 WITHOUT = {"effects": {"tip_contact": False}}
-#: What the external pair loses of its stiffness where a sharp tip carries: up to 40 %, measured
-#: before; to be found again within a third of it.
+#: Loss of stiffness of the external pair where a sharp tip carries: up to 40 %, measured
+#: before; reproduced within a third of it.
 LARGEST, THIRD = 0.40, 1.0 / 3.0
 #: Rotation of a pair whose tip roundings are left out against one whose teeth end where these
 #: begin: the metal of the tips themselves.

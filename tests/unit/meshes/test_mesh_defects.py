@@ -238,7 +238,7 @@ def test_several_defects_are_all_listed(tmp_path: Path, capsys: pytest.CaptureFi
     assert all(line.startswith("  expected ") for line in wrong)
 
 
-# --- what is mended or meant ----------------------------------------------------------------------
+# --- repaired or intended -------------------------------------------------------------------------
 def test_groups_may_be_one_material_all_the_same(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

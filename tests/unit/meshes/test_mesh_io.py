@@ -1,4 +1,4 @@
-"""Mesh files in their dialects: the same mesh and the same sets, or one line that says what not."""
+"""Mesh files in their dialects: the same mesh and the same sets, or one line with the fault."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def refusal(tmp_path: Path, text: str, suffix: str = ".inp") -> MeshError:
     return caught.value
 
 
-# --- what gmsh writes -----------------------------------------------------------------------------
+# --- files of gmsh --------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "name",
     ["ring_22.msh", "ring_22_binary.msh", "ring_41.msh", "ring_41_binary.msh", "ring_41_all.msh"],
@@ -112,7 +112,7 @@ def test_node_numbers_of_gmsh_are_integers(tmp_path: Path, number: str) -> None:
     assert (error.expected, error.found) == ("node numbers", "a number that is not an integer")
 
 
-# --- what Abaqus and CalculiX write ---------------------------------------------------------------
+# --- files of Abaqus and CalculiX -----------------------------------------------------------------
 def test_abaqus_sets_of_every_kind(tmp_path: Path) -> None:
     found = inp(
         tmp_path,
@@ -242,7 +242,7 @@ def test_empty_inp_is_refused(tmp_path: Path) -> None:
     assert refusal(tmp_path, "*NODE\n1, 0., 0.\n").found == "no elements"
 
 
-# --- what meshio reads ----------------------------------------------------------------------------
+# --- files by meshio ------------------------------------------------------------------------------
 def test_vtu_names_sets_by_arrays_over_points_and_cells(tmp_path: Path) -> None:
     points = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]], float)
     quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])

@@ -1,4 +1,4 @@
-"""Friction: keys of the scene, modes along the flank, files, what the result says and costs."""
+"""Friction: keys of the scene, modes along the flank, files, results and cost."""
 
 from __future__ import annotations
 

@@ -268,7 +268,7 @@ def test_growth_closes_the_backlash_as_larger_gears_do() -> None:
 def test_unloaded_rotation_follows_the_grown_involute() -> None:
     """Roll angles: a flank of base radius (1 + e) r_b moves the contact along the line of action.
 
-    Body 1 grows, its mate does not: what it turns back is e times the roll length of the contact,
+    Body 1 expands, its mate does not: it turns back by e times the roll length of the contact,
     and of all pairs the one nearest to its tip touches.
     """
     strain = 11.5e-6 * 60
@@ -436,7 +436,7 @@ def test_compliance_holds_the_parts_of_the_growth_by_name() -> None:
     assert lift < 0.2 * abs(found.expansion.strain) * pair.body_1.reference_radius_mm
 
 
-# --- what has no meaning --------------------------------------------------------------------------
+# --- meaningless scenes ---------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("changes", "line"),
     [

@@ -129,7 +129,7 @@ def test_sane_pair_has_no_warning() -> None:
     assert not pair().notes
 
 
-# --- what cannot mesh -----------------------------------------------------------------------------
+# --- pairs that cannot mesh -----------------------------------------------------------------------
 def test_pinion_with_as_many_teeth_as_the_ring() -> None:
     error = refused(0.5, pinion={"teeth": 60, "tip_diameter_mm": 186.0})
     assert error.key == "body_1.teeth"

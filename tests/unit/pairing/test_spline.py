@@ -1,4 +1,4 @@
-"""Splines: tables, geometry, position zero, what cannot be put together, words and pictures."""
+"""Splines: tables, geometry, position zero, impossible assemblies, words and pictures."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def test_common_axes_have_one_position() -> None:
 
 
 def test_flanks_without_errors_lie_on_each_other() -> None:
-    """At every radius between the tips both flanks stand at the same angle, on every tooth."""
+    """At every radius between the tips both flanks are at the same angle, on every tooth."""
     found = pair()
     turns = found.pairing.turns(np.array([0.3]))
     radius = np.linspace(23.15, 24.75, 9)
@@ -212,7 +212,7 @@ def test_twice_the_offset_is_taken_off_the_backlash() -> None:
         assert found == pytest.approx(overlap, rel=ROUND_OFF)
 
 
-# --- what cannot be put together --------------------------------------------------------------
+# --- impossible assemblies --------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -299,7 +299,7 @@ def test_stiffness_is_drawn_along_the_line_of_action_and_about_the_axis(result: 
 
 
 def test_ring_is_drawn_around_its_pinion() -> None:
-    """Body 2 is its rim less what its teeth stand around; window and names are on their sides."""
+    """Body 2 is its rim without the space of its teeth; window and names are on their sides."""
     scene = fl.read_scene(SCENES / "internal_gear.toml")
     result = fl.solve(replace(scene, load=Load(torque_Nm=0.0)))
     assert result.drawing.is_around

@@ -354,7 +354,7 @@ def console(done: subprocess.CompletedProcess[str]) -> list[str]:
 #: A browser that runs no scripts.
 NO_SCRIPT = """<head><meta http-equiv="Content-Security-Policy" content="script-src 'none'">"""
 
-#: What a reader does: another position, another torque, a look at a curve.
+#: Actions of a reader: another position, another torque, a look at a curve.
 READER = """<script>
 const slider = document.getElementById("place"), torque = document.getElementById("torque");
 torque.value = 0; torque.dispatchEvent(new Event("change"));
@@ -364,7 +364,7 @@ const svg = document.querySelector("#plot-transmission_error svg");
 const box = svg.getBoundingClientRect();
 svg.dispatchEvent(new PointerEvent("pointermove", {
   clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}));
-// on a telephone: what is wider than the page, and does not scroll by itself
+// on a telephone: elements wider than the page that do not scroll by themselves
 document.body.style.maxWidth = "390px"; document.body.style.margin = "0";
 document.body.dataset.wide = [...document.querySelectorAll("main *")].filter(part =>
   part.getBoundingClientRect().right > 390 && !part.closest(".scroll, svg, .tip")).length;

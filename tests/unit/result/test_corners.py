@@ -1,4 +1,4 @@
-"""Sharp corners that work: the warning names the corner, the body and what takes it away."""
+"""Sharp corners in contact: the warning names the corner, the body and the remedy."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def test_cubic_is_met_exactly_without_a_period() -> None:
     integral = cubic.integ()
     expected = (integral(x[-1]) - integral(0.0)) / x[-1]
     assert curve.mean() == pytest.approx(expected, rel=ROUND_OFF)
-    # the doubt is the whole cubic term: what a parabola through three of the points leaves
+    # the doubt is the whole cubic term: the error of a parabola through three of the points
     assert curve.doubt_integrals().min() > 0
     parabola = curve_through(x, 1 + x**2, np.zeros(9, dtype=bool))
     assert parabola.doubt_integrals().max() < ROUND_OFF
@@ -96,7 +96,7 @@ def test_even_cosine_has_its_amplitude_at_fourth_order() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_doubt_bounds_the_error_of_random_curves(seed: int) -> None:
-    """Smooth stretches between kinks that the pairs tell of, at uneven positions."""
+    """Smooth stretches between the kinks that pairs cause, at uneven positions."""
     rng = np.random.default_rng(seed)
     kinks = np.sort(rng.uniform(0, PERIOD, 3))
     phase, height = rng.uniform(0, 6, 2), rng.uniform(1, 3, 2)

@@ -1,4 +1,4 @@
-"""Results: what follows from the numbers, checked by hand numbers, and the files."""
+"""Results: derived numbers, checked by hand, and the files."""
 
 import csv
 import io

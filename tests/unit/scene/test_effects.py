@@ -1,4 +1,4 @@
-"""The table of effects: its rows, what switches them, and what it may not leave out."""
+"""The table of effects: its rows, the keys that switch them, and its completeness."""
 
 import tomllib
 from copy import deepcopy

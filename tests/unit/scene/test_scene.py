@@ -1,4 +1,4 @@
-"""Scenes that are understood, what they call for, and the schema."""
+"""Valid scenes, the effects that they request, and the schema."""
 
 import json
 import tomllib

@@ -1,4 +1,4 @@
-"""Scenes as files: what cannot be read, and where it says so."""
+"""Scenes as files: unreadable content, and its place in the error line."""
 
 from pathlib import Path
 

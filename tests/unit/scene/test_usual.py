@@ -1,4 +1,4 @@
-"""Values far from the usual: solved, with a question that names what was most likely meant."""
+"""Values far from the usual: solved, with a question that names the value probably meant."""
 
 from __future__ import annotations
 

@@ -549,7 +549,7 @@ def test_study_in_three_dimensions_has_its_files_and_its_picture(
         assert "$" not in "".join(label.get_text() for label in axes.get_yticklabels())
 
 
-# --- what the limit itself is known to ------------------------------------------------------------
+# --- uncertainty of the limit ---------------------------------------------------------------------
 def steps_of(values: list[float]) -> tuple[Reference, refinements.Refinements]:
     """A ladder of elements, the finest first: a transmission error at two positions."""
     sizes = (0.5, 1.0, 2.0)
@@ -753,7 +753,7 @@ def test_interrupted_study_keeps_finished_runs(short_ladders: None, tmp_path: Pa
 def test_spent_budget_leaves_runs_out(
     short_ladders: None, kept: Path, study: AccuracyStudy
 ) -> None:
-    """What is in the file costs nothing; without it the first run is the last."""
+    """Runs in the file cost nothing; without it the first run is the last."""
     found = accuracy(small(), budget_s=1e-9)
     assert [row.group for row in found.rows] == []
     assert "budget" in str(found)

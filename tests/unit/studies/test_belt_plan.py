@@ -1,4 +1,4 @@
-"""The plan of a timing belt: what lands change, what a run takes, beside runs."""
+"""The plan of a timing belt, compared with runs: effect of lands, work of a run."""
 
 from __future__ import annotations
 

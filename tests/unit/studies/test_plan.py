@@ -35,7 +35,7 @@ FACTOR, COARSE = 1.15, 2e-4
 COARSE_SHARE = 2e-3
 #: A size that was published for the external pair, to be met within a third.
 THIRD = 1 / 3
-#: Factor of what a law predicts.
+#: Factor between a predicted and a measured size.
 WITHIN = 2.0
 #: Counters of finite elements, which are predicted exactly.
 EXACT = (
@@ -463,7 +463,7 @@ def test_effects_without_three_dimensions_are_named() -> None:
     assert " yes " in lumped
 
 
-# --- what is said ---------------------------------------------------------------------------------
+# --- texts ----------------------------------------------------------------------------------------
 def test_absent_effects_that_matter_have_a_sentence(plain_plan: Plan) -> None:
     plan = plain_plan
     said = [effect.name for effect in plan.effects if effect.remark]

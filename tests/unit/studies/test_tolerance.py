@@ -1,4 +1,4 @@
-"""A named tolerance: what is run for it, how it is refined, and what is said of that."""
+"""A named tolerance: its runs, their refinement, and the report."""
 
 import json
 import tomllib
@@ -116,7 +116,7 @@ def test_without_the_key_nothing_is_decided() -> None:
     assert "steering" not in result.cost["stages"]
 
 
-# --- what is run ----------------------------------------------------------------------------------
+# --- runs -----------------------------------------------------------------------------------------
 def test_a_tolerance_that_the_first_run_meets_takes_one_coarse_run(met: fl.Result) -> None:
     found = said(met)
     assert found["met"]
@@ -249,7 +249,7 @@ def test_several_torques_share_their_discretization() -> None:
     assert said(results[0])["errors"]["load_share"] == max(errors)
 
 
-# --- what cannot be checked, or refined -----------------------------------------------------------
+# --- without a check, or a refinement -------------------------------------------------------------
 def test_without_estimate_the_default_is_not_checked() -> None:
     result = solved(small(tolerance=0.01, estimate=False))
     found = said(result)
@@ -386,9 +386,9 @@ def attempt(
         source: {name: error * (name == quantity) for name in BOUND}
         for source, error in by_source.items()
     }
-    told = {quantity: float(np.linalg.norm(list(by_source.values())))}
+    errors = {quantity: float(np.linalg.norm(list(by_source.values())))}
     choice = replace(choice, values={**choice.values, **values})
-    return parameters, Attempt(choice, (result,), told, table)
+    return parameters, Attempt(choice, (result,), errors, table)
 
 
 @pytest.mark.parametrize(
@@ -452,7 +452,7 @@ def test_a_smaller_tolerance_never_chooses_less(met: fl.Result) -> None:
 
 
 def test_an_unreachable_tolerance_costs_only_a_few_runs(met: fl.Result) -> None:
-    """Far below what the finest elements reach: they are not all taken."""
+    """Far below the error of the finest elements: they are not all tried."""
     parameters, run = attempt({"elements": 1.0}, met)
     choice = choose_discretization(parameters, [run], 0.001)
     assert choice is not None

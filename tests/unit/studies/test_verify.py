@@ -41,7 +41,7 @@ COARSE_DECK = 0.01
 SAME_AREA = 1e-5
 #: Halving across longest sides halves the smallest angle of the coarse mesh at the most.
 WORST_PART = 0.5
-#: Samples of a flank stand 0.01 mm apart.
+#: Samples of a flank are 0.01 mm apart.
 SAMPLED = 0.011
 
 

@@ -1,4 +1,4 @@
-"""Compliance of a prism: symmetry, mirror images, limits, what is refused, fewer modes."""
+"""Compliance of a prism: symmetry, mirror images, limits, refused bodies, fewer modes."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def test_displacements_leave_no_residual_on_inner_unknowns(twist: float) -> None
     residual = sector.matrix @ moved - forces
     scale = np.abs(sector.matrix) @ np.abs(moved)
     assert np.abs(residual[sector.inner] / scale[sector.inner]).max() < CLOSURE
-    # what the cuts feel
+    # forces on the cuts
     on_them = sector.condensed.stiffness @ on_cuts - carried
     assert np.abs(residual[sector.kept] - on_them).max() < CLOSURE * np.abs(on_them).max()
 
