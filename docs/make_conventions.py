@@ -30,12 +30,8 @@ DOCS = Path(__file__).parent
 SCENES = DOCS.parent / "examples" / "scenes"
 #: Box behind a label, over the outlines.
 LABEL = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}
-#: Only the position zero, and nothing that the drawing does not need.
-AT_ZERO = {
-    "positions.angles_deg": [0.0],
-    "accuracy.estimate": False,
-    "accuracy.tangents": False,
-}
+#: Only the position zero.
+AT_ZERO = {"positions.angles_deg": [0.0]}
 
 
 def main() -> None:

@@ -24,8 +24,6 @@ CHANGES = {
     "body_1.tip_relief_start_diameter_mm": 76.5,
     "body_2.tip_relief_start_diameter_mm": 112.5,
     "positions.count": 24,
-    "accuracy.estimate": False,
-    "accuracy.tangents": False,
 }
 
 

@@ -164,7 +164,7 @@ def paper_route(spacing_mm: float) -> tuple[float, np.ndarray, int]:
 def default_route() -> tuple[float, np.ndarray]:
     """The same position by `fl.solve`: pressure modes, near field, small forces."""
     tree = tomllib.loads(SCENE.read_text(encoding="utf-8"))
-    tree |= {"positions": {"angles_deg": [ANGLE_DEG]}, "accuracy": {"estimate": False}}
+    tree |= {"positions": {"angles_deg": [ANGLE_DEG]}}
     result = fl.solve(fl.Scene.from_dict(tree))
     return float(result.rotation_rad[0]), result.load_share[0]
 

@@ -22,10 +22,6 @@ PEAK_TO_PEAK = "transmission_error_peak_to_peak_um"
 SAME = 0.005
 #: Wanted: ratio of states.
 WANTED = 20.0
-SEARCH = {
-    "accuracy.estimate": False,
-    "accuracy.tangents": False,
-}
 RELIEF = {
     "body_1.tip_relief_um": 20.0,
     "body_2.tip_relief_um": 20.0,
@@ -83,12 +79,14 @@ def _lines() -> list[str]:
     ]
     ratios = []
     for name, case in CASES.items():
-        scene = fl.read_scene(SCENES / f"{case.scene}.toml").replace(case.changes | SEARCH)
+        scene = fl.read_scene(SCENES / f"{case.scene}.toml").replace(case.changes)
         fl.solve(scene)  # imports
         begin = process_time()
         optimum = fl.optimise(scene, case.variables, case.objective)
         spent = process_time() - begin
-        best, states, spent_by_other = _evolution(scene, case, optimum.objective)
+        best, states, spent_by_other = _evolution(
+            scene.replace(optimum.settings), case, optimum.objective
+        )
         ratios.append(states / optimum.states)
         lines.append(
             f"{name:>27}{optimum.objective:10.4g}{optimum.states:8d}{spent:6.1f}"

@@ -23,7 +23,7 @@ class Prepared:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.parts = Parts()
+        self.parts = Parts(estimate=scene.accuracy.estimate)
         if not scene.names_tolerance and scene.effects.choose is None:
             prepare_parts(scene, self.parts)
 

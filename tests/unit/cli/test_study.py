@@ -62,7 +62,7 @@ def test_a_study_is_solved_written_and_not_solved_again(
     head, columns, *lines = out.splitlines()
     assert head == "small job: 2 designs"
     assert columns.split("  ")[-1] == "largest"
-    assert [line.split()[0] for line in lines] == ["peak_pressure_MPa"]
+    assert [line.split()[0] for line in lines] == ["peak_pressure_MPa", "least"]
     files = {"pair.toml", "study.toml", "study.sqlite", "a.csv", "a.parquet"}
     assert {path.name for path in study.parent.iterdir()} == files
     monkeypatch.delattr(import_module("flankload.studies.design.run"), "solve_scene")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from statistics import fmean, stdev
 from typing import TYPE_CHECKING, Any
@@ -18,9 +18,10 @@ from flankload.result.export import CsvForm
 from flankload.result.quantities import ALONG_POSITIONS
 from flankload.result.summary import NO_VALUE, current_name
 from flankload.studies.design.run import SOLVED
+from flankload.studies.settings import estimated_error, left_out
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -45,6 +46,8 @@ class DesignStudy(Card):
         By name of the variable: the value in the scene itself, None if it is no number.
     has_torques : bool
         Whether the scene has a list of torques.
+    settings : mapping
+        Keys that were set for all designs, and their values.
     """
 
     name: str
@@ -53,11 +56,33 @@ class DesignStudy(Card):
     rows: tuple[Row, ...]
     scene_values: dict[str, Any]
     has_torques: bool
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def failed(self) -> tuple[Row, ...]:
         """Rows without a solution; `row.outcome.error` is the reason."""
         return tuple(row for row in self.rows if row.outcome.status != SOLVED)
+
+    @property
+    def best(self) -> dict[str, Row]:
+        """By quantity that is a number: the design whose largest value of all torques is least."""
+        found: dict[str, Row] = {}
+        for name in self.quantities:
+            largest = ((_largest_of(row, name), row) for row in self.rows)
+            known = [(value, row.number, row) for value, row in largest if value is not None]
+            if known:
+                found[name] = min(known)[2]
+        return found
+
+    def with_estimates(self, rows: Sequence[Row], estimated: Sequence[Row]) -> DesignStudy:
+        """The study with the error estimates of other runs of some of its rows."""
+        changed = {}
+        for row, other in zip(rows, estimated, strict=True):
+            if other.outcome.status == SOLVED:
+                pairs = zip(row.outcome.results, other.outcome.results, strict=True)
+                results = tuple(one | {"estimate": more["estimate"]} for one, more in pairs)
+                changed[row.number] = replace(row, outcome=replace(row.outcome, results=results))
+        return replace(self, rows=tuple(changed.get(row.number, row) for row in self.rows))
 
     def values(self, name: str) -> NDArray[Any]:
         """Values of a quantity in the order of the designs.
@@ -192,7 +217,8 @@ class DesignStudy(Card):
         head = f"{self.name}: {len(self.rows)} designs"
         if self.failed:
             head += f", {len(self.failed)} of them failed; first: {self.failed[0].outcome.error}"
-        return "\n".join([head, *text_table(rows, left=1), *self._without_value()])
+        further = [*self._without_value(), *self._best_lines(), *left_out(self.settings)]
+        return "\n".join([head, *text_table(rows, left=1), *further])
 
     def _without_value(self) -> Iterator[str]:
         """Quantities that some solved designs lack, with the number of these and the reason."""
@@ -201,6 +227,15 @@ class DesignStudy(Card):
             found = [[one["quantities"][name] for one in row.outcome.results] for row in solved]
             if count := sum(None in values for values in found):
                 yield f"{name} has no value in {count} designs: {NO_VALUE[name]}"
+
+    def _best_lines(self) -> Iterator[str]:
+        """The design with the least value of each quantity, with its estimated error."""
+        for name, row in self.best.items():
+            values = ", ".join(f"{key} = {value}" for key, value in row.values.items())
+            errors = [estimated_error(result["estimate"], name) for result in row.outcome.results]
+            known = [error for error in errors if error is not None]
+            error = f" (+- {100 * max(known):.1f} %)" if known else ""
+            yield f"least {name}{error}: design {row.number}, {values or 'the scene itself'}"
 
     @property
     def _has_torque_dimension(self) -> bool:
@@ -245,3 +280,10 @@ def _labels(values: list[Any]) -> list[Any]:
     if any(isinstance(x, str) for x in plain):
         return ["" if x is None else str(x) for x in plain]
     return plain
+
+
+def _largest_of(row: Row, name: str) -> float | None:
+    """Largest number of a quantity over all torques of a design; None if it has none."""
+    values = [result["quantities"].get(name) for result in row.outcome.results]
+    known = [x for x in values if isinstance(x, int | float) and not isinstance(x, bool) and x == x]
+    return max(known) if known and len(known) == len(values) else None

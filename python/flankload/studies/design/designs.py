@@ -136,6 +136,11 @@ class Designs:
         scene = scene.replace(self.fixed) if self.fixed else scene
         return replace(self, variables=tuple(one.in_scene(scene) for one in self.variables))
 
+    @property
+    def paths(self) -> set[str]:
+        """Paths of the keys that designs change."""
+        return {*self.fixed, *(path for variable in self.variables for path in variable.paths)}
+
     def changes(self, values: dict[str, Any]) -> dict[str, Any]:
         """Changes of the scene in a design, for `Scene.replace`."""
         found = dict(self.fixed)
@@ -167,6 +172,24 @@ class Designs:
         sequence = qmc.Sobol(self._numbers, scramble=True, seed=self.seed)
         while True:
             yield sequence.random(BLOCK)
+
+
+@dataclass(frozen=True)
+class ChosenDesigns:
+    """Some of the designs of a study, by their values."""
+
+    designs: Designs
+    values: tuple[dict[str, Any], ...]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        return iter(self.values)
+
+    def changes(self, values: dict[str, Any]) -> dict[str, Any]:
+        """Changes of the scene in a design, for `Scene.replace`."""
+        return self.designs.changes(values)
 
 
 def _is_number(value: object, least: int, most: int) -> bool:

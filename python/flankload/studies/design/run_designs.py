@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.scene import Scene
-    from flankload.studies.design.designs import Designs
+    from flankload.studies.design.designs import ChosenDesigns, Designs
 
     Progress = Callable[[str, int, int], None]
 
@@ -45,7 +45,7 @@ class Row:
 
 def run_designs(
     scene: Scene,
-    designs: Designs,
+    designs: Designs | ChosenDesigns,
     names: tuple[str, ...],
     store: Store,
     executor: Executor | None = None,
@@ -91,7 +91,7 @@ class _Runs:
     """State of a study: runs in flight and finished rows; `warm`: whether a run has ended."""
 
     scene: Scene
-    designs: Designs
+    designs: Designs | ChosenDesigns
     names: tuple[str, ...]
     store: Store
     progress: Progress | None

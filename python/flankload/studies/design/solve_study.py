@@ -21,15 +21,16 @@ from flankload.scene.refusal import in_file, refuse, shown
 from flankload.scene.table import Table, Text
 from flankload.scene.tree import number_at
 from flankload.studies.design.design_study import DesignStudy
-from flankload.studies.design.designs import Designs
+from flankload.studies.design.designs import ChosenDesigns, Designs
 from flankload.studies.design.run_designs import run_designs
 from flankload.studies.design.store import Store
+from flankload.studies.settings import ESTIMATE, settings_for
 from flankload.studies.variables import paths_of, variables_of
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from flankload.studies.design.run_designs import Progress
+    from flankload.studies.design.run_designs import Progress, Row
 
 
 #: Quantities of a study that names none.
@@ -75,7 +76,9 @@ def study(
     seed : int
         Seed of these two; more designs of the same seed begin with the same ones.
     quantities : sequence of str
-        Names in `Result.summary` (of tables: dotted) or arrays over the positions.
+        Names in `Result.summary` (of tables: dotted) or arrays over the positions. Tangents that
+        none needs are left out, and so are error estimates but for the designs with the least
+        values, unless the scene has `accuracy.tangents` or `accuracy.estimate`.
     store : path, optional
         SQLite file. Runs that it has are not solved again; each further run is written at once.
     executor : concurrent.futures.Executor, optional
@@ -111,12 +114,28 @@ def run_study(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> DesignStudy:
-    """Solve given designs as `study` does, with progress as of `run_designs`."""
+    """Solve given designs as `study` does, with progress as of `run_designs`.
+
+    If no design has error estimates, the best ones are solved again with these.
+    """
     designs, names = checked(scene, designs, quantities)
+    settings, values = settings_for(scene, names, designs.paths), _values_in(scene, designs)
     with closing(Store(None if store is None else Path(store))) as opened:
-        rows = run_designs(scene, designs, names, opened, executor, progress)
-    values = _values_in(scene, designs)
-    return DesignStudy(scene.name, designs, names, rows, values, scene.has_torque_list)
+
+        def solved(settings: Mapping[str, Any], asked: Designs | ChosenDesigns) -> tuple[Row, ...]:
+            tell = progress if asked is designs else None
+            return run_designs(scene.replace(settings), asked, names, opened, executor, tell)
+
+        rows = solved(settings, designs)
+        found = DesignStudy(
+            scene.name, designs, names, rows, values, scene.has_torque_list, settings
+        )
+        if ESTIMATE not in settings or not found.best:
+            return found
+        best = tuple({row.number: row for row in found.best.values()}.values())
+        wanted = {key: value for key, value in settings.items() if key != ESTIMATE}
+        again = solved(wanted, ChosenDesigns(designs, tuple(row.values for row in best)))
+    return found.with_estimates(best, again)
 
 
 def checked(

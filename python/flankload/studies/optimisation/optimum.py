@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flankload.base.text_table import NONE, text_table
+from flankload.studies.settings import estimated_error
 
 if TYPE_CHECKING:
     from flankload.result import Result
@@ -122,6 +123,18 @@ class Optimum:
         """Number of these that could not be solved."""
         return sum(evaluation.objective is None for evaluation in self.history)
 
+    @property
+    def estimated_errors(self) -> dict[str, float]:
+        """Largest estimated relative error of each quantity at the optimum, over all torques."""
+        found: dict[str, float] = {}
+        limited = [limit.name for limit in self.constraints]
+        for name in dict.fromkeys([*self.objective_name.replace(",", " ").split(), *limited]):
+            errors = [estimated_error(result.estimate, name) for result in self.results]
+            known = [error for error in errors if error is not None]
+            if known:
+                found[name] = max(known)
+        return found
+
     def __repr__(self) -> str:
         change = f"{self.objective_before:.4g} -> {self.objective:.4g}"
         return f"Optimum({self.objective_name}: {change}, {self.evaluations} evaluations)"
@@ -164,6 +177,11 @@ class Optimum:
             words = {True: "true", False: "false", None: "absent"}
             named = (f"{key} = {words[value]}" for key, value in self.settings.items())
             lines.append(f"set during the search: {', '.join(named)}")
+        if self.estimated_errors:
+            errors = (
+                f"{name} {100 * error:.1f} %" for name, error in self.estimated_errors.items()
+            )
+            lines.append(f"estimated errors of the optimum: {', '.join(errors)}")
         if not self.keeps_limits:
             lines.append("limits are exceeded")
         return lines

@@ -23,6 +23,7 @@ from flankload.studies.optimisation.problem import (
     variables_of,
 )
 from flankload.studies.optimisation.search import Descent, best_of, descend, gradient_norm, rounded
+from flankload.studies.settings import settings_for
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -54,7 +55,9 @@ def optimise(
         Name of a number in `Result.summary`; or `quantity` (one or several names) and `weights`,
         `over` ("worst" or "sum" of all torques) and `torque_weights`.
     constraints : sequence of mappings, optional
-        Each with `quantity` and `at_most`, its limit at every torque.
+        Each with `quantity` and `at_most`, its limit at every torque. Estimates and tangents that
+        no quantity needs are left out of the search, unless the scene has `accuracy.estimate` or
+        `accuracy.tangents`.
     progress : callable, optional
         Called as progress("optimise", done, total).
     **options
@@ -85,33 +88,30 @@ def optimise(
     goal = read_table(Objective, table, "objective")
     goal.check(len(scene.torques_Nm))
     limits = read_list(Constraint, constraints, "constraints")
-    inside, settings = search_scene(scene)
+    inside, settings = search_scene(scene, [*goal.names, *(one.quantity for one in limits)])
     starts = [v.start_in(scene, f"variables[{k}]") for k, v in enumerate(of_scene)]
     evaluator = Evaluator(inside, of_scene, goal, limits, asked, progress)
     return _optimum(scene, evaluator, _searched(evaluator, starts), settings)
 
 
-def search_scene(scene: Scene) -> tuple[Scene, dict[str, Any]]:
-    """The scene of the search, and the keys by which it differs.
+def search_scene(scene: Scene, quantities: Sequence[str]) -> tuple[Scene, dict[str, Any]]:
+    """The scene of the search for these quantities, and the keys by which it differs.
 
-    Error estimates and tangents are left out, elements do not follow the modifications, and the
-    discretization and the positions are fixed.
+    What the quantities do not need is left out, and the discretization and the positions are fixed.
 
     Raises SceneError if the scene leaves the choice of its effects to the plan.
     """
     if scene.effects.choose is not None:
         expected = "no such key in an optimisation (name the effects)"
         refuse("effects.choose", expected, shown(scene.effects.choose), scene.file)
-    wanted = {"estimate": False, "tangents": False}
-    accuracy = scene.accuracy
-    settings: dict[str, Any] = {
-        f"accuracy.{key}": x for key, x in wanted.items() if getattr(accuracy, key) is not x
-    }
+    settings: dict[str, Any] = {}
     if scene.names_tolerance:
         settings["accuracy.tolerance"] = None
     if scene.positions.adaptive:
         settings |= {"positions.adaptive": None, "positions.max_count": None}
-    return scene.replace(settings), settings
+    fixed = scene.replace(settings)
+    lean = settings_for(fixed, quantities)
+    return fixed.replace(lean), lean | settings
 
 
 def hypercube(n_points: int, n_variables: int, seed: int) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from flankload.studies.design.solve_study import checked
 from flankload.studies.prepared import Prepared
 from flankload.studies.robustness.first_order import FirstOrder, first_order
 from flankload.studies.robustness.samples import Failures, Samples
+from flankload.studies.settings import left_out, settings_for
 from flankload.studies.variables import variables_of
 
 if TYPE_CHECKING:
@@ -68,6 +69,8 @@ class Robust(Card):
         Number of derivatives to first order.
     seconds : dict
         Elapsed seconds of `first_order` and `monte_carlo`.
+    settings : mapping
+        Keys that were set for all runs, and their values.
     """
 
     name: str
@@ -76,6 +79,7 @@ class Robust(Card):
     study: DesignStudy | None
     solutions: int
     seconds: dict[str, float]
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def failures(self) -> Failures | None:
@@ -137,7 +141,7 @@ class Robust(Card):
         lines = [self._head, *text_table(rows, left=2)]
         if self.failures is not None:
             lines.append(f"failed designs: {self.failures}")
-        lines += shares
+        lines += [*shares, *left_out(self.settings)]
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     @property
@@ -181,7 +185,8 @@ def robust(
     variables : mapping
         Distributions as of `study`; independent of each other.
     quantities : sequence of str
-        Names in `Result.summary` or arrays over the positions.
+        Names in `Result.summary` or arrays over the positions. Estimates and tangents that none
+        needs are left out, unless the scene has `accuracy.estimate` or `accuracy.tangents`.
     n : int
         Designs of the Monte Carlo simulation; 0: none.
     seed : int
@@ -205,6 +210,8 @@ def robust(
         refuse("design", " or ".join(f"'{kind}'" for kind in OF_DRAWS), shown(design))
     designs = Designs(variables_of(variables), design, n or 1, seed)
     designs, names = checked(scene, designs, quantities)
+    settings = settings_for(scene, names, designs.paths)
+    scene = scene.replace(settings)
     begin = perf_counter()
     linear, solutions = first_order(scene, designs.variables, names, parts)
     middle = perf_counter()
@@ -214,7 +221,7 @@ def robust(
         raise FlankloadError(f"fewer than {LEAST_SAMPLES} designs have a solution: {reason}")
     seconds = {"first_order": middle - begin, "monte_carlo": perf_counter() - middle}
     torques = scene.torques_Nm if scene.has_torque_list else None
-    return Robust(scene.name, torques, linear, found, solutions, seconds)
+    return Robust(scene.name, torques, linear, found, solutions, seconds, settings)
 
 
 def _of(found: FirstOrder | Samples) -> list[Any]:
