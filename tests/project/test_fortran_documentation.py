@@ -103,7 +103,8 @@ def test_arguments_are_in_the_order_of_the_call() -> None:
         source = re.sub(r"&\s*\n\s*&\s*", "", path.read_text(encoding="utf-8"))
         for name, arguments in re.findall(r"^subroutine (\w+)\(([^)]*)\)", source, re.MULTILINE):
             calls[name] = [argument.strip() for argument in arguments.split(",")]
-    tables = re.findall(r"^`(flankload_\w+)`[^|\n]*:\n\n(\| arguments .*?)\n\n", text, re.M | re.S)
+    described = r"^`(flankload_\w+)`(?:(?!\n\n)[^|])*:\n\n(\| arguments .*?)\n\n"
+    tables = re.findall(described, text, re.M | re.S)
     assert len(tables) == 7
     for name, table in tables:
         rows = [line.split("|")[1] for line in table.splitlines()[2:]]
