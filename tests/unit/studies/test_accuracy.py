@@ -36,7 +36,12 @@ from flankload.studies.accuracy.quantities import (
     to_tree,
 )
 from flankload.studies.accuracy.reference import Reference
-from flankload.studies.accuracy.refinements import can_be_nodal, can_lump, refinements_of
+from flankload.studies.accuracy.refinements import (
+    affordable,
+    can_be_nodal,
+    can_lump,
+    refinements_of,
+)
 from flankload.studies.accuracy.runs import Run, Runs, fingerprint
 from flankload.studies.accuracy.study import Row
 from flankload.studies.accuracy.study_text import corner_notes, failure_notes, file_notes
@@ -222,6 +227,17 @@ def test_runs_read_as_they_are_written() -> None:
     assert set(again) == set(run)
     for name in run:
         np.testing.assert_array_equal(again[name], run[name])
+
+
+def test_finest_elements_are_those_that_the_budget_pays() -> None:
+    """Elements of a quarter length have about 15 times the unknowns of the default."""
+    base, spent = refinements_of(small()), {"compliance body 1": 1.0, "sweep": 0.0}
+    lengths = {
+        budget_s: affordable(small(), base, spent, budget_s).finest.flank_element_mm
+        for budget_s in (1.0, 50.0, 1e6)
+    }
+    parts = np.array(list(lengths.values())) / base.base.flank_element_mm
+    np.testing.assert_allclose(parts, (0.5, 0.25, 0.125), rtol=0.01, atol=0)
 
 
 # --- settings -------------------------------------------------------------------------------------

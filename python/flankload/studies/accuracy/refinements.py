@@ -13,7 +13,7 @@ from flankload.scene import axial
 from flankload.scene.axial import AXIAL_DEGREE
 from flankload.scene.discretization import DEFAULT, IN_SLICES
 from flankload.scene.effects import effects_of, is_spatial
-from flankload.scene.named_discretization import NamedDiscretization
+from flankload.scene.named_discretization import NamedDiscretization, scene_at
 from flankload.scene.steps import (
     COUNT,
     DEGREE,
@@ -27,6 +27,7 @@ from flankload.scene.steps import (
     ZONE,
 )
 from flankload.studies.parameters import elements_of, parameters_of
+from flankload.studies.plan.coarse_runs import CoarseRuns
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
@@ -42,10 +43,6 @@ KINKS = 3e-4
 #: The finest discretization: more modes reduce the convergence of the elements, most of all on
 #: splines, and wider zones are unloaded.
 FINEST_MODES, FINEST_ZONE = 8, 3.0
-#: Cost of elements at these relative lengths, compared with a run at the default.
-ELEMENTS_COST = {0.125: 52.0, 0.25: 11.0, 0.5: 3.0, 1.0: 1.0}
-#: The work is proportional to this power of the number of cells.
-STRIPS_ORDER = 1.4
 #: Steps of the elements in three dimensions, relative to the default; coarse bodies.
 SPATIAL_STEPS = 3
 COARSE: dict[str, Any] = {name: STEPS[name].coarse for name in (MODES, DEGREE, LOAD_DEGREE, SLICES)}
@@ -168,27 +165,29 @@ def finest_within(refinements: Refinements, fineness: Fineness) -> Refinements:
     return replace(refinements, ladders=kept, finest=replace(base, **finest))
 
 
-def affordable(refinements: Refinements, stages: dict[str, float], budget_s: float) -> Refinements:
-    """The finest parameters whose steps a budget pays, by the CPU seconds of the base run."""
-    elements = sum(s for name, s in stages.items() if name.startswith("compliance"))
-    sweeps = stages.get("sweep", 0.0) + stages.get("tangent", 0.0)
-    base, spatial = refinements.base, refinements.spatial
+def affordable(
+    scene: Scene, refinements: Refinements, spent: Mapping[str, float], budget_s: float
+) -> Refinements:
+    """The finest parameters whose steps a budget pays.
+
+    Their seconds are those spent in the stages of the base run, times the ratio of the counters.
+    """
+    runs, spatial = CoarseRuns(scene), refinements.spatial
+    base, found = runs.price(scene_at(scene, refinements.base)), refinements
     for fineness in SPATIAL_FINEST if spatial else FINEST:
-        each = sweeps * fineness["count"] ** (base.count is not None)
-        if base.strips_per_half_width is not None:
-            cells = fineness["strips_per_half_width"] / base.strips_per_half_width
-            each *= cells**STRIPS_ORDER
+        found = finest_within(refinements, fineness)
+        finest = runs.price(scene_at(scene, found.finest))
+        seconds = {
+            name: spent[name] * account.cpu_s / base[name].cpu_s
+            for name, account in finest.items()
+            if name in spent and base[name].cpu_s > 0.0
+        }
+        elements = sum(s for name, s in seconds.items() if name.startswith("compliance"))
         solutions = elements * (LADDER_DEGREES if spatial else LADDER_ELEMENTS)
-        if base.flank_element_mm is not None:
-            solutions *= ELEMENTS_COST[fineness["flank_element_mm"]]
-        elif not spatial:
-            solutions = 0.0
-        if spatial:
-            solutions *= (fineness["axial_degree"] / AXIAL_DEGREE) ** 2
-            each *= (STEPS[SLICES].study[-1] / DEFAULT_SLICES) ** 2
-        if solutions + LADDER_SWEEPS * each <= LADDERS_PART * budget_s:
+        states = seconds.get("sweep", 0.0) + seconds.get("tangent", 0.0)
+        if solutions + LADDER_SWEEPS * states <= LADDERS_PART * budget_s:
             break
-    return finest_within(refinements, fineness)
+    return found
 
 
 def _rounded(length: float) -> float:

@@ -136,7 +136,7 @@ class _StudyRuns:
         """All runs that the budget allows."""
         self._warm_up()
         base = self.run("default", self.refinements.base)
-        self.refinements = affordable(self.refinements, base.stages, self._budget_s)
+        self.refinements = affordable(self.scene, self.refinements, base.stages, self._budget_s)
         self.run("as it stands", NamedDiscretization())
         self.run("finest", self.refinements.finest)
         for parameter in sorted(self.refinements.ladders, key="count".__eq__):
