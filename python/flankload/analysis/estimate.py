@@ -81,8 +81,6 @@ OVERALL = (
 )
 #: … in three dimensions.
 OF_WIDTH = (LINE_LOAD, PEAK_LINE, FACE_LOAD, LINE_FACTOR)
-#: Number of omitted modes: their terms alternate in size, and in places one of two vanishes.
-MODES_DROPPED = 2
 #: Error of lumped contacts, with h/L the largest half-width over the length of the shorter flank:
 #: (h/L)² times the first number plus the second; at a corner, a kink or a rounding at least h/L
 #: times the third (pressures there are not estimated); in slices times the part of the load there.
@@ -210,11 +208,11 @@ def estimate_errors(
     found: tuple[Sweep, ...],
     run: Callable[..., tuple[Sweep, ...]],
     compliances: tuple[BodyCompliance, BodyCompliance],
-    grid: Grid,
+    cells: Grid,
     weights: Floats,
     *,
+    variants: Mapping[str, Mapping[str, object]],
     lumped: bool = False,
-    variants: Mapping[str, Mapping[str, object]] = MappingProxyType({}),
     sources: Mapping[str, Callable[[Sweep], dict[str, RemainingError]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
@@ -226,15 +224,18 @@ def estimate_errors(
     run : callable
         run(compliances=…, grid=…, part=…) repeats the sweep with other compliances or cells; part
         counts the calls from 0.
-    compliances, grid
-        Compliances and cells of the sweep.
+    compliances
+        Those of the sweep.
+    cells : Grid
+        Cells of the reduced sweeps: coarser ones, those of the sweep if contacts are lumped.
     weights : (P,) array
         Parts of the positions in means over the period.
+    variants : mapping
+        Arguments of `run` for the reduced sweeps, by the source whose error their change shows;
+        always "modes".
     lumped : bool
         Whether contacts are lumped; there are no cells then, and their error is taken from
         measurements.
-    variants : mapping
-        Further arguments of `run`, by the source whose error the change of the sweep shows.
     sources : mapping
         Further sources: errors that follow from the sweep itself, by quantity; empty if the source
         has no effect.
@@ -243,17 +244,11 @@ def estimate_errors(
     -------
     tuple of Estimate, one per torque
     """
-    cells = grid if lumped else grid.coarser()
     coarse = found if lumped else run(compliances=compliances, grid=cells, part=0)
-    fewer = tuple(compliance.fewer_modes(MODES_DROPPED) for compliance in compliances)
-    others = {"modes": run(compliances=fewer, grid=cells, part=1)}
-    if any(compliance.fe_error is not None for compliance in compliances):
-        better = tuple(compliance.with_fe_error(1.0) for compliance in compliances)
-        others["elements"] = run(compliances=better, grid=cells, part=len(others) + 1)
-    for source, arguments in variants.items():
-        others[source] = run(
-            **{"compliances": compliances, **arguments}, grid=cells, part=len(others) + 1
-        )
+    others = {
+        source: run(**{"compliances": compliances, **arguments}, grid=cells, part=number)
+        for number, (source, arguments) in enumerate(variants.items(), start=1)
+    }
     estimates = []
     for t, part in enumerate(found):
         errors = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t], weights)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flankload.scene.axial import three_dimensional_key
+from flankload.scene.steps import REDUCED_CELLS
 
 if TYPE_CHECKING:
     from flankload.scene import Scene
@@ -30,11 +31,11 @@ class Grid:
     zone_half_widths: float = 2.5
 
     def coarser(self) -> Grid:
-        """Half as many cells per half-width."""
+        """Cells of the reduced sweeps of an error estimate."""
         return replace(
             self,
-            strips_per_half_width=self.strips_per_half_width / 2,
-            corner_strips_per_half_width=self.corner_strips_per_half_width / 2,
+            strips_per_half_width=REDUCED_CELLS * self.strips_per_half_width,
+            corner_strips_per_half_width=REDUCED_CELLS * self.corner_strips_per_half_width,
         )
 
 

@@ -1,8 +1,7 @@
 """Steps of the discretization, from coarse to fine: the one table of all coarser and finer runs.
 
-The plan of a run, the choice of effects, the first run of tolerance control, its refinements and
-the steps of an accuracy study take their values from here. The reduced sweeps of an error estimate
-have half of the run's own cells or slices (`Grid.coarser`, `Slices.coarser`), whatever those are.
+The plan of a run, the choice of effects, the first run of tolerance control, its refinements, the
+steps of an accuracy study and the reduced sweeps of an error estimate take their values from here.
 """
 
 from __future__ import annotations
@@ -68,3 +67,7 @@ STEPS = {
 }
 #: Cells in slices are fewer.
 STRIPS_IN_SLICES = (3.0, 6.0, 12.0, 24.0)
+#: Reduced sweeps of an error estimate, beside the values of the run, whatever these are: part of
+#: its cells per half-width; omitted pressure modes, whose terms alternate in size, so that in some
+#: places one of two vanishes; omitted degrees along the axis. Slices are joined in pairs.
+REDUCED_CELLS, REDUCED_MODES, REDUCED_DEGREES = 0.5, 2, 2

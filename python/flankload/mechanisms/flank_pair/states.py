@@ -20,6 +20,7 @@ from flankload.mechanisms.flank_pair.stages import contact_of, swept
 from flankload.result.geometry import pair_geometry
 from flankload.result.position_order import order_of
 from flankload.scene.discretization import position_tolerance
+from flankload.scene.steps import REDUCED_DEGREES, REDUCED_MODES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -173,7 +174,7 @@ def error_estimates(
 
     None without torque, for which nothing is approximated. `pair` has all positions.
     """
-    found = states.found
+    found, lumped, grid = states.found, pair.effects.lumped_contact, pair.discretization.grid
     loaded = [t for t, part in enumerate(found) if part.torque_Nmm > 0]
     estimates: list[Mapping[str, object] | None] = [None] * len(found)
     with clock.stage("estimate") as account:
@@ -193,10 +194,10 @@ def error_estimates(
                 tuple(found[t] for t in loaded),
                 run_again,
                 compliances,
-                pair.discretization.grid,
+                grid if lumped else grid.coarser(),
                 _weights(pair),
-                lumped=pair.effects.lumped_contact,
                 variants=_variants(pair, compliances),
+                lumped=lumped,
                 sources=_sources(pair, compliances, scene.pair.face_width_mm),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
@@ -218,11 +219,16 @@ def _weights(pair: BodyPair) -> NDArray[np.float64]:
 
 
 def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
-    """Arguments of the sweeps that estimate the errors of axial degrees and of slices."""
-    if pair.slices is None:
-        return {}
-    fewer = tuple(compliance.fewer_axial_modes() for compliance in compliances)
-    return {"axial": {"compliances": fewer}, "slices": {"slices": pair.slices.coarser()}}
+    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
+    found: dict[str, dict[str, object]] = {
+        "modes": {"compliances": tuple(each.fewer_modes(REDUCED_MODES) for each in compliances)}
+    }
+    if any(each.fe_error is not None for each in compliances):
+        found["elements"] = {"compliances": tuple(each.with_fe_error(1.0) for each in compliances)}
+    if pair.slices is not None:
+        fewer = tuple(each.fewer_axial_modes(REDUCED_DEGREES) for each in compliances)
+        found |= {"axial": {"compliances": fewer}, "slices": {"slices": pair.slices.coarser()}}
+    return found
 
 
 def _sources(
