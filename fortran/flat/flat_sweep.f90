@@ -78,7 +78,7 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> Status, see above
     integer, intent(out) :: info
 
-    integer :: none(n_positions, n_torques)
+    type(known_contacts) :: known
     type(sweep_type) :: found
 
     info = -findloc([.true., .true., .true., given_reals(motion, size(motion)), .true., &
@@ -92,9 +92,11 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
         & given_reals(site_peak, size(site_peak)), &
         & given_integers(site_corner, size(site_corner))], .false., dim=1)
     if (info < 0) return
-    none = 0
+    allocate (known%touches(0))
+    allocate (known%n_pairs(n_positions, n_torques), known%first_pair(n_positions, n_torques), &
+        & source=0)
     call sweep_two(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
-        & control, pair_site, pair_table, known_contacts([logical ::], none, none), found, info)
+        & control, pair_site, pair_table, known, found, info)
     call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner)
 end subroutine flankload_sweep
