@@ -3,7 +3,7 @@ module flankload_factor_extension
     use flankload_kinds, only: wp
     use flankload_updatable_factor, only: updatable_factor, reserve, dependent
     use flankload_lapack, only: border_cholesky, border_lu, permute_rows
-    use flankload_assertions, only: debugging, assert, is_factor, no_digits
+    use flankload_assertions, only: debugging, assert, is_factor, is_product, no_digits
     implicit none
     private
 
@@ -50,9 +50,11 @@ contains
         else
             call extend_lu(factor, columns, rows, accepted)
         end if
-        if (debugging .and. accepted .and. factor%n_exchanged == 0 &
+        if (debugging .and. accepted .and. b > 0 .and. factor%n_exchanged == 0 &
             & .and. factor%growth < no_digits) then
             call assert(is_factor(factor%matrix, k + b, factor%symmetric))
+            call assert(is_product(factor%matrix, k + b, factor%symmetric, &
+                & [(merge(1.0_wp, 0.0_wp, i == k + 1), i=1, k + b)], columns(:, 1), factor%growth))
         end if
     end subroutine extend
 
