@@ -87,8 +87,8 @@ def with_common_width(asked: SceneFile) -> SceneFile:
     pair: Any = asked.pair or Pair()
     if asked.body_2.is_drive or pair.face_width_mm is not UNSET:
         return asked
-    assert isinstance(one, AxialKeys)
-    assert isinstance(two, AxialKeys)
+    if not (isinstance(one, AxialKeys) and isinstance(two, AxialKeys)):
+        return asked  # these kinds do not go together, which a later check refuses
     low, high = common_range(one, two)
     return structs.replace(asked, pair=structs.replace(pair, face_width_mm=high - low))
 
