@@ -12,7 +12,6 @@ from flankload.elasticity.compliance import (
     BodyCompliance,
     JobOptions,
     flank_compliance,
-    flank_compliances,
 )
 from flankload.elasticity.compliance.loads import ModeLoads
 from flankload.elasticity.compliance.response import Job, of_whole
@@ -131,23 +130,6 @@ def test_rigid_body_has_no_compliance_and_no_elements() -> None:
     assert found.near.kernel == 0.0
     assert not found.smooth.any()
     assert (found.job.counters, found.job.workspace_bytes) == ({}, 0)
-
-
-def test_compliances_of_one_job_are_those_of_their_own() -> None:
-    """A ring, a segment, a single tooth, and a ring that turns fast: closures of one sector."""
-    body, fast = gear_body(16, 2.0), BodyLoad(speed_rad_per_s=500.0, density_Ns2_per_mm4=7.85e-9)
-    asked = ((None, None), (5, None), (1, None), (None, fast))
-    together = flank_compliances(body, asked, JobOptions(n_modes=4, plane="strain"))
-    assert together[0].job.counters["fe_factorisations"] == 1
-    for (sectors, body_load), found in zip(asked, together, strict=True):
-        alone = flank_compliance(
-            body, JobOptions(n_modes=4, plane="strain"), sectors=sectors, body_load=body_load
-        )
-        scale = np.abs(alone.smooth).max()
-        np.testing.assert_allclose(found.smooth, alone.smooth, rtol=0, atol=1e-10 * scale)
-        np.testing.assert_allclose(
-            found.expansion.strain, alone.expansion.strain, rtol=1e-9, atol=0
-        )
 
 
 #: Each adds columns that only read: BLAS sums a product of more columns in another order.

@@ -8,7 +8,7 @@ from flankload.elasticity.compliance.contributions import (
     NearField,
     RootResponse,
 )
-from flankload.elasticity.compliance.job import JobOptions, flank_compliance, flank_compliances
+from flankload.elasticity.compliance.job import JobOptions, flank_compliance
 
 __all__ = [
     "AxialModes",
@@ -19,6 +19,5 @@ __all__ = [
     "NearField",
     "RootResponse",
     "flank_compliance",
-    "flank_compliances",
     "no_compliance",
 ]

@@ -39,7 +39,7 @@ from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.sector_closure import made_symmetric
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Mapping
 
     from scipy.sparse import csc_array
 
@@ -105,62 +105,28 @@ def flank_compliance(
     matrix : csc_array, optional
         Stiffness matrix of the mesh, if available.
     """
-    return flank_compliances(body, ((sectors, body_load),), options, matrix)[0]
-
-
-def flank_compliances(
-    body: Body,
-    variants: Sequence[tuple[int | None, BodyLoad | None]],
-    options: JobOptions,
-    matrix: csc_array | None = None,
-) -> tuple[BodyCompliance, ...]:
-    """Compliances of a body that differ in sectors and body loads, from one job.
-
-    `variants`: `sectors` and `body_load` of each; arguments as of `flank_compliance`. The counters,
-    bytes and seconds of each are those of the whole job.
-    """
     if body.rigid or body.mesh is None:
-        return tuple(no_compliance(body, body_load) for _, body_load in variants)
-    prepared = _prepared(body, variants, options, matrix)
-    job, mesh = prepared.job, prepared.mesh
-    if isinstance(mesh, WholeMesh):
-        responses = dict.fromkeys((sectors for sectors, _ in variants), of_whole(job, mesh))
+        return no_compliance(body, body_load)
+    job, load_vectors = _prepared(body, body_load, options, matrix)
+    if isinstance(body.mesh, WholeMesh):
+        response = of_whole(job, body.mesh)
     else:
-        responses = of_sector(
-            job, mesh, [n for n, _ in variants], coast_flanks=options.coast_flanks
-        )
-    compliances = {n: _compliance(job, found, options) for n, found in responses.items()}
-    expansions = []
-    for n, body_load in variants:
-        moved = _by_name(prepared.load_vectors, body_load, responses[n].by_force)
-        expansions.append(Expansion(*_flank_expansion(body, body_load, job.loads.count, moved)))
+        response = of_sector(job, body.mesh, sectors, coast_flanks=options.coast_flanks)
+    found = _compliance(job, response, options)
+    moved = {name: response.by_force[:, k] for k, name in enumerate(load_vectors)}
+    expansion = Expansion(*_flank_expansion(body, body_load, job.loads.count, moved))
     job.log.end_step("ring")
     modes, errors, miss = job.loads, job.log.errors, None
     if errors and isinstance(modes, ModeLoads):
         miss = modes.fe_error(np.stack(errors))
-    seconds = job.log.seconds()
-    return tuple(
-        replace(found, expansion=expansion, fe_error=miss, job=replace(found.job, seconds=seconds))
-        for found, expansion in zip((compliances[n] for n, _ in variants), expansions, strict=True)
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Prepared:
-    """The job of a body, its mesh, and the vectors of each body load by name."""
-
-    job: Job
-    mesh: SectorMesh | WholeMesh
-    load_vectors: dict[BodyLoad | None, dict[str, Floats]]
+    log = replace(found.job, seconds=job.log.seconds())
+    return replace(found, expansion=expansion, fe_error=miss, job=log)
 
 
 def _prepared(
-    body: Body,
-    variants: Sequence[tuple[int | None, BodyLoad | None]],
-    options: JobOptions,
-    matrix: csc_array | None,
-) -> _Prepared:
-    """Matrix, loads and readings of a job."""
+    body: Body, body_load: BodyLoad | None, options: JobOptions, matrix: csc_array | None
+) -> tuple[Job, dict[str, Floats]]:
+    """Matrix, loads and readings of a job, and the vectors of the body load by name."""
     plane = options.plane
     assert body.mesh is not None
     mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
@@ -173,18 +139,17 @@ def _prepared(
     if matrix is None:
         matrix = stiffness(nodes, cells, body.material, plane)
     log.account.workspace_bytes += _sparse_bytes(matrix)
-    load_vectors = {body_load: _load_vectors(matrix, mesh, body_load) for _, body_load in variants}
-    forces = [load for named in load_vectors.values() for load in named.values()]
+    load_vectors = _load_vectors(matrix, mesh, body_load)
     job = Job(
         body=body,
         matrix=matrix,
         loads=loads,
         friction=options.friction,
         readings=_readings(body, options, matrix.shape[0]),
-        forces=np.stack(forces, axis=1) if forces else None,
+        forces=np.stack(list(load_vectors.values()), axis=1) if load_vectors else None,
         log=log,
     )
-    return _Prepared(job, mesh, load_vectors)
+    return job, load_vectors
 
 
 def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
@@ -248,16 +213,6 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
         root=root,
         job=job.log.cost(asymmetry, found.degrees_of_freedom),
     )
-
-
-def _by_name(
-    load_vectors: dict[BodyLoad | None, dict[str, Floats]],
-    body_load: BodyLoad | None,
-    by_force: Floats,
-) -> dict[str, Floats]:
-    """Response (f, p) to each vector of a body load, from the response (f, k, p) to all."""
-    known = [(each, name) for each, named in load_vectors.items() for name in named]
-    return {name: by_force[:, k] for k, (each, name) in enumerate(known) if each == body_load}
 
 
 def _load_vectors(

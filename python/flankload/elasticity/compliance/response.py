@@ -11,7 +11,6 @@ from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.finite_elements import degrees_of, factored
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
-    CondensedSector,
     close_ring,
     condense,
     segment_response,
@@ -20,7 +19,7 @@ from flankload.elasticity.sector_closure import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from scipy.sparse import csc_array
 
@@ -132,15 +131,14 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
     )
 
 
-def of_sector(
-    job: Job, mesh: SectorMesh, sectors: Sequence[int | None], *, coast_flanks: bool
-) -> dict[int | None, Response]:
-    """Response of a body of equal sectors, for each of several numbers of elastic sectors.
+def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: bool) -> Response:
+    """Response of a body of equal sectors.
 
-    An odd number for a segment, 1 for a single tooth, None for the whole ring.
+    `sectors`: odd number of elastic sectors of a segment, 1 for a single tooth, None for the whole
+    ring.
     """
     log, loads = job.log, job.unit_loads(mesh)
-    readings, tooth = {}, 0
+    readings, tooth, across = {}, 0, None
     if coast_flanks:
         assert job.body.involute is not None
         normal, turn_rad = loads[:, : job.loads.count], job.body.involute.turn_rad
@@ -149,48 +147,30 @@ def of_sector(
     log.end_step("assembly")
     readings |= job.readings(0)
     log.count_loads(loads.shape[1], friction=job.friction)
-    found: dict[int | None, tuple[Floats, Floats]] = {}
-    if set(sectors) == {1}:
+    by_force = job.no_forces
+    if sectors == 1:
         response, free = tooth_response(job.matrix, loads, mesh, list(readings.values()), log)
-        found[1] = (response, job.no_forces)
     else:
         if job.forces is not None:
             readings["fe_load_cases_growth"] = job.forces
         sector, free = condense(job.matrix, loads, mesh, readings, log)
-        for number in dict.fromkeys(sectors):
-            found[number] = _built(job, sector, mesh, number)
-    responses: dict[int | None, Response] = {}
-    for number, (response, by_force) in found.items():
-        across = None
-        if coast_flanks:
-            assert isinstance(job.loads, ModeLoads)
-            response, across = _split_coast(response, job.loads, tooth)
-        responses[number] = Response(
-            response,
-            own=np.zeros(1, dtype=np.int64),
-            across=-np.arange(mesh.teeth) % mesh.teeth,
-            by_force=by_force,
-            degrees_of_freedom=free,
-            coast=across,
-        )
-    return responses
-
-
-def _built(
-    job: Job, sector: CondensedSector, mesh: SectorMesh, sectors: int | None
-) -> tuple[Floats, Floats]:
-    """Response of a number of condensed sectors to unit loads and to body loads."""
-    if sectors == 1:  # with fixed cuts, the condensed stiffness has no effect
-        own = np.concatenate(sector.local)
-        response = np.zeros((mesh.teeth, *own.shape))
-        response[0] = own
-        return response, job.no_forces
-    by_force = job.no_forces
-    if job.forces is not None:
-        by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
-    if sectors is None:
-        return close_ring(sector, mesh.teeth), by_force
-    return segment_response(sector, mesh.teeth, sectors), by_force
+        if job.forces is not None:
+            by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
+        if sectors is None:
+            response = close_ring(sector, mesh.teeth)
+        else:
+            response = segment_response(sector, mesh.teeth, sectors)
+    if coast_flanks:
+        assert isinstance(job.loads, ModeLoads)
+        response, across = _split_coast(response, job.loads, tooth)
+    return Response(
+        response,
+        own=np.zeros(1, dtype=np.int64),
+        across=-np.arange(mesh.teeth) % mesh.teeth,
+        by_force=by_force,
+        degrees_of_freedom=free,
+        coast=across,
+    )
 
 
 def _split_coast(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
