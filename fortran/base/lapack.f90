@@ -10,7 +10,7 @@ module flankload_lapack
     public :: potrf, getrf, permute_rows
     public :: solve_cholesky, solve_lu, solve_triangle, solve_lower, continue_lower
     public :: border_cholesky, border_lu
-    public :: add_product, set_product
+    public :: add_block, add_product, set_product
 
     interface
         pure subroutine dpotrf(uplo, n, a, lda, info)
@@ -322,5 +322,20 @@ contains
         call dgemm('T', 'N', n_rows, n_columns, m, 1.0_wp, a, max(1, m), b, max(1, m), 0.0_wp, c, &
             & ldc)
     end subroutine set_product
+
+    !> Compute C := C + Aᵀ B for the leading block C of a part of a larger matrix.
+    pure subroutine add_block(n_rows, n_columns, m, a, b, ldc, c)
+        !> As in set_product
+        integer, intent(in) :: n_rows
+        integer, intent(in) :: n_columns
+        integer, intent(in) :: m
+        real(wp), intent(in) :: a(m, *)
+        real(wp), intent(in) :: b(m, *)
+        integer, intent(in) :: ldc
+        real(wp), intent(inout) :: c(ldc, *)
+
+        call dgemm('T', 'N', n_rows, n_columns, m, 1.0_wp, a, max(1, m), b, max(1, m), 1.0_wp, c, &
+            & ldc)
+    end subroutine add_block
 
 end module flankload_lapack

@@ -1,4 +1,4 @@
-!> Influence coefficients of cells in slices along the face width: K as the contact loop uses it.
+!> Near field of cells in slices along the face width, and their friction.
 !>
 !> A cell is a rectangle on the contact line of its slice, as wide as its part of the profile and as
 !> long as the line. It displaces the other cells on its flank as on a half-space with mirror images
@@ -14,15 +14,14 @@ module flankload_cell_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_pairs, only: pairs_type
-    use flankload_lapack, only: set_product
     use flankload_rectangle_potential, only: add_potentials, cell_potential
     use flankload_slice_field, only: across_lines, along_line, corner_mirrors, end_mirrors, &
-        & flank_of, mirror_type, modes_of, segment_type, sliced_tangential, slices_type
+        & mirror_type, segment_type, sliced_tangential, slices_type
     use flankload_tangential_potential, only: rectangle_field
     implicit none
     private
 
-    public :: cell_influences
+    public :: add_cells, add_sliding, mirror
 
     !> Consecutive pairs: the cells of one zone.
     type :: run_type
@@ -36,94 +35,51 @@ module flankload_cell_field
         type(segment_type) :: line
     end type run_type
 
-    !> Modes of both bodies, and forces and moments on shafts.
-    type :: modes_type
-        !> Last pair of each flank
-        integer, allocatable :: last(:)
-        !> Values of the modes at the pairs, shape (m, n)
-        real(wp), allocatable :: values(:, :)
-        !> Displacements and motions of each flank under unit forces at the pairs, as modes [mm/N],
-        !> for the flank of the pair and later ones, shape (m, n, flanks)
-        real(wp), allocatable :: displaced(:, :, :)
-    end type modes_type
-
-    !> Number of columns that are computed together: as many as fit into the cache
-    integer, parameter :: panel = 96
-
 contains
 
-    !> Compute K of all pairs, symmetric to the last bit without friction.
-    pure subroutine cell_influences(body_1, body_2, slices, segments, pairs, rigid, moved, matrix)
+    !> Add the near fields of both bodies and all images to the lower triangle of K.
+    pure subroutine add_cells(body_1, body_2, segments, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> Slices
-        type(slices_type), intent(in) :: slices
         !> Contact lines of all zones, shape (zones)
         type(segment_type), intent(in) :: segments(:)
         !> Contact pairs, those of a zone adjacent, zones ascending
         type(pairs_type), intent(in) :: pairs
-        !> Unit forces as forces and moments on shafts, and the motions that they cause,
-        !> shape (m, n); m = 0 without shafts
-        real(wp), intent(in) :: rigid(:, :)
-        real(wp), intent(in) :: moved(:, :)
         !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(out) :: matrix(:, :)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        type(run_type), allocatable :: runs(:)
-        type(modes_type) :: modes
+        call add_fields(runs_of(pairs, segments), end_mirrors(body_1, body_2), &
+            & [corner_mirrors(body_1, 1, body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], &
+            & pairs, matrix)
+    end subroutine add_cells
 
-        call set_modes(body_1, body_2, slices, pairs, rigid, moved, modes)
-        runs = runs_of(pairs, segments)
-        call set_symmetric(runs, modes, end_mirrors(body_1, body_2), [corner_mirrors(body_1, 1, &
-            & body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], pairs, matrix)
-        if (allocated(pairs%friction)) then
-            call add_sliding(body_1, body_2, slices, runs, modes%last, pairs, matrix)
-        end if
-    end subroutine cell_influences
-
-    !> Compute the displacements by modes and shafts, near fields and all images. The lower triangle
-    !> is computed and copied to the upper one while it is in the cache.
-    pure subroutine set_symmetric(runs, modes, ends, corners, pairs, matrix)
+    !> Add near fields and images to the lower triangle of a matrix.
+    pure subroutine add_fields(runs, ends, corners, pairs, matrix)
         !> Cells of all zones, shape (zones)
         type(run_type), intent(in) :: runs(:)
-        !> Modes at the pairs; there may be none
-        type(modes_type), intent(in) :: modes
         !> Loads and their images behind end faces; images behind corners
         type(mirror_type), intent(in) :: ends(:)
         type(mirror_type), intent(in) :: corners(:)
         !> Contact pairs
         type(pairs_type), intent(in) :: pairs
-        !> K [mm/N], shape (n, n)
-        real(wp), contiguous, intent(out) :: matrix(:, :)
+        !> Matrix [mm/N], shape (n, n)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: a, b, first, last
+        integer :: a, b
 
-        first = 1
-        do while (first <= size(runs))
-            last = first
-            do while (last < size(runs))
-                if (runs(last + 1)%line%flank /= runs(first)%line%flank .or. runs(last + 1)%last &
-                    & >= runs(first)%first + panel) exit
-                last = last + 1
+        do b = 1, size(runs)
+            do a = b, size(runs)
+                if (runs(a)%line%flank /= runs(b)%line%flank) exit
+                if (are_even(runs(a), runs(b))) then
+                    call add_even(runs(a), runs(b), ends, matrix)
+                    call add_images(runs(a), runs(b), corners, pairs, matrix)
+                else
+                    call add_uneven(runs(a), runs(b), ends, corners, pairs, matrix)
+                end if
             end do
-            call set_smooth(size(modes%values, 1), pairs%n, modes%last, modes%values, &
-                & modes%displaced, [runs(first)%first, runs(last)%last], matrix)
-            do b = first, last
-                do a = b, size(runs)
-                    if (runs(a)%line%flank /= runs(b)%line%flank) exit
-                    if (are_even(runs(a), runs(b))) then
-                        call add_even(runs(a), runs(b), ends, matrix)
-                        call add_images(runs(a), runs(b), corners, pairs, matrix)
-                    else
-                        call add_uneven(runs(a), runs(b), ends, corners, pairs, matrix)
-                    end if
-                end do
-            end do
-            call mirror(runs(first)%first, runs(last)%last, matrix)
-            first = last + 1
         end do
-    end subroutine set_symmetric
+    end subroutine add_fields
 
     !> Add the normal displacement of both bodies under the friction forces of all pairs; not
     !> symmetric.
@@ -131,30 +87,34 @@ contains
     !> The force mu sigma F on body 1 points towards increasing arc length of flank 1, that on body
     !> 2 towards increasing arc length of flank 2: the normal displacement of both is minus their
     !> displacement out of the material.
-    pure subroutine add_sliding(body_1, body_2, slices, runs, last, pairs, matrix)
+    pure subroutine add_sliding(body_1, body_2, slices, segments, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
         !> Slices
         type(slices_type), intent(in) :: slices
-        !> Cells of all zones, and the last pair of each flank
-        type(run_type), intent(in) :: runs(:)
-        integer, intent(in) :: last(:)
+        !> Contact lines of all zones, shape (zones)
+        type(segment_type), intent(in) :: segments(:)
         !> Contact pairs with friction
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: j, n
-        type(modes_type) :: no_modes
         type(mirror_type) :: no_ends(0)
+        type(mirror_type), allocatable :: corners(:)
+        type(run_type), allocatable :: runs(:)
         real(wp), allocatable :: along(:, :)
 
         n = pairs%n
-        no_modes%last = last
-        allocate (no_modes%values(0, n), no_modes%displaced(0, n, size(last)), along(n, n))
-        call set_symmetric(runs, no_modes, no_ends, [corner_mirrors(body_1, 1, &
-            & body_1%wedge_along), corner_mirrors(body_2, 2, body_2%wedge_along)], pairs, along)
+        runs = runs_of(pairs, segments)
+        allocate (along(n, n), source=0.0_wp)
+        corners = [corner_mirrors(body_1, 1, body_1%wedge_along), &
+            & corner_mirrors(body_2, 2, body_2%wedge_along)]
+        if (size(corners) > 0) then
+            call add_fields(runs, no_ends, corners, pairs, along)
+            call mirror(along)
+        end if
         ! A point in front of the force on body 1 is behind that on body 2.
         call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, pairs, along)   ! Eq. (C5)
         along = along + sliced_tangential(body_1, slices, pairs%site(:n), pairs%s_1(:n))
@@ -207,19 +167,20 @@ contains
         end do
     end subroutine add_cerruti
 
-    !> Copy columns of the lower triangle to rows of the upper one.
-    pure subroutine mirror(first, last, matrix)
-        !> First and last column
-        integer, intent(in) :: first
-        integer, intent(in) :: last
+    !> Copy the lower triangle to the upper one, in panels that fit into the cache.
+    pure subroutine mirror(matrix)
         !> Matrix, shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: i, j
+        !> Number of columns of a panel
+        integer, parameter :: panel = 96
+        integer :: i, j, first
 
-        do i = first + 1, size(matrix, 1)
-            do j = first, min(i - 1, last)
-                matrix(j, i) = matrix(i, j)
+        do first = 1, size(matrix, 2), panel
+            do i = first + 1, size(matrix, 1)
+                do j = first, min(i - 1, first + panel - 1)
+                    matrix(j, i) = matrix(i, j)
+                end do
             end do
         end do
     end subroutine mirror
@@ -254,98 +215,6 @@ contains
             end associate
         end do
     end function runs_of
-
-    !> Compute the modes of both bodies and their shafts at the pairs.
-    pure subroutine set_modes(body_1, body_2, slices, pairs, rigid, moved, modes)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
-        !> Slices
-        type(slices_type), intent(in) :: slices
-        !> Contact pairs
-        type(pairs_type), intent(in) :: pairs
-        !> Forces and moments on shafts, and the motions that they cause, shape (m, n)
-        real(wp), intent(in) :: rigid(:, :)
-        real(wp), intent(in) :: moved(:, :)
-        !> Modes at the pairs
-        type(modes_type), intent(out) :: modes
-
-        integer :: n, m_1, m, f, g
-        integer, allocatable :: flanks(:), first(:)
-        real(wp), allocatable :: values_1(:, :), values_2(:, :)
-
-        n = pairs%n
-        flanks = flank_of(slices, pairs%site(:n))
-        allocate (modes%last(0))
-        f = 0
-        do while (f < n)
-            f = count(flanks <= flanks(f + 1))
-            modes%last = [modes%last, f]
-        end do
-        first = [1, modes%last + 1]
-        values_1 = modes_of(body_1, slices, pairs%site(:n), pairs%s_1(:n), pairs%turn(1, :n))
-        values_2 = modes_of(body_2, slices, pairs%site(:n), pairs%s_2(:n), pairs%turn(2, :n))
-        m_1 = size(values_1, 1)
-        m = m_1 + size(values_2, 1)
-        allocate (modes%values(m + size(rigid, 1), n))
-        allocate (modes%displaced(m + size(rigid, 1), n, size(modes%last)))
-        modes%values(:m_1, :) = values_1
-        modes%values(m_1 + 1:m, :) = values_2
-        modes%values(m + 1:, :) = rigid
-        do f = 1, size(modes%last)
-            modes%displaced(m + 1:, :, f) = moved
-            do g = 1, f
-                associate (one => pairs%site(first(f)), other => pairs%site(first(g)), &
-                    & from => first(g), to => modes%last(g))
-                    modes%displaced(:m_1, from:to, f) = modal_displacements( &
-                        & body_1%smooth(:, :, body_1%block(other, one)), values_1(:, from:to))
-                    modes%displaced(m_1 + 1:m, from:to, f) = modal_displacements( &
-                        & body_2%smooth(:, :, body_2%block(other, one)), values_2(:, from:to))
-                end associate
-            end do
-        end do
-    end subroutine set_modes
-
-    !> Return the modal displacements under unit forces.
-    pure function modal_displacements(smooth, values) result(displaced)
-        !> Smooth part between modes, displacement of the loaded flank under loads on the other one
-        !> [mm/N], shape (m, m)
-        real(wp), contiguous, intent(in) :: smooth(:, :)
-        !> Modes at the loads, shape (m, n)
-        real(wp), contiguous, intent(in) :: values(:, :)
-        !> Displacement of the other flank as modes [mm/N], shape (m, n)
-        real(wp) :: displaced(size(values, 1), size(values, 2))
-
-        if (size(displaced) == 0) return
-        call set_product(size(values, 1), size(values, 2), size(values, 1), smooth, values, &
-            & size(values, 1), displaced)
-    end function modal_displacements
-
-    !> Compute the displacements by modes and shafts, V g Vᵀ, in some columns from the diagonal on.
-    pure subroutine set_smooth(m, n, last, values, displaced, columns, matrix)
-        !> Numbers of modes and of pairs
-        integer, intent(in) :: m
-        integer, intent(in) :: n
-        !> Components of `modes_type`, of explicit shape so that parts are passed in place
-        integer, intent(in) :: last(:)
-        real(wp), intent(in) :: values(m, n)
-        real(wp), intent(in) :: displaced(m, n, size(last))
-        !> First and last column, both of one flank
-        integer, intent(in) :: columns(2)
-        !> K [mm/N]
-        real(wp), intent(inout) :: matrix(n, n)
-
-        integer :: f, row
-
-        row = columns(1)
-        if (m == 0) matrix(row:, row:columns(2)) = 0.0_wp
-        do f = 1, size(last)
-            if (m == 0 .or. last(f) < row) cycle
-            call set_product(last(f) - row + 1, columns(2) - columns(1) + 1, m, values(1, row), &
-                & displaced(1, columns(1), f), n, matrix(row, columns(1)))
-            row = last(f) + 1
-        end do
-    end subroutine set_smooth
 
     !> Return true if all distances between two slices differ from the first by multiples of one
     !> width.

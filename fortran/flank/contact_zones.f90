@@ -20,6 +20,9 @@ module flankload_contact_zones
     type :: zone_type
         !> Number of the site (flank pair)
         integer :: site = 0
+        !> Numbers of the bodies of its mesh, and by how much their own numbers of its site exceed
+        !> that number
+        integer :: body(2) = [1, 2], offset(2) = 0
         !> 1 if body 1 closes the gap by a rotation in the direction of its torque; -1 for coast
         !> flanks, whose other components are those of the mirror image about the line of centres
         real(wp) :: side = 1.0_wp

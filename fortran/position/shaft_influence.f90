@@ -5,14 +5,14 @@ module flankload_shaft_influence
     use flankload_kinds, only: wp
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: zone_type
-    use flankload_lapack, only: set_product
+    use flankload_lapack, only: add_block, set_product
     use flankload_polar_geometry, only: cross, part_in_section
     use flankload_slice_field, only: middle_of, shaft_type, slices_type
     implicit none
     private
 
     public :: directed_type
-    public :: add_shaft, directed_pairs, directed_zones, slide_shaft, wrenches_on
+    public :: add_shaft, directed_pairs, directed_zones, slide_shaft
 
     !> Points of the flanks with the directions of unit forces.
     type :: directed_type
@@ -126,26 +126,28 @@ contains
         end do
     end function wrenches_on
 
-    !> Add wᵀ S w: normal displacement of a body due to its shaft and bearings, between all flanks.
-    pure subroutine add_shaft(shaft, axis, at, matrix)
+    !> Add wᵀ S w: normal displacement of a body due to its shaft and bearings, between all flanks,
+    !> to the lower triangle of K.
+    pure subroutine add_shaft(shaft, axis, at, n, matrix)
         !> The shaft, and its axis [mm]
         type(shaft_type), intent(in) :: shaft
         real(wp), intent(in) :: axis(2)
-        !> The points
+        !> The points, and their number
         type(directed_type), intent(in) :: at
-        !> Compliance [mm/N], symmetric to the last bit, shape (n, n)
-        real(wp), intent(inout) :: matrix(:, :)
+        integer, intent(in) :: n
+        !> K [mm/N]
+        real(wp), intent(inout) :: matrix(n, n)
 
-        integer :: i, j
-        real(wp) :: moved(6), wrenches(6, size(at%point, 2))
+        !> Number of columns that are computed together
+        integer, parameter :: panel = 96
+        integer :: first
+        real(wp) :: wrenches(6, n), moved(6, n)
 
         wrenches = wrenches_on(shaft, axis, at%point, at%normal)
-        do j = 1, size(wrenches, 2)
-            moved = matmul(shaft%compliance, wrenches(:, j))
-            do i = 1, j
-                matrix(i, j) = matrix(i, j) + dot_product(wrenches(:, i), moved)
-                matrix(j, i) = matrix(i, j)
-            end do
+        moved = matmul(shaft%compliance, wrenches)
+        do first = 1, n, panel
+            call add_block(n - first + 1, min(panel, n - first + 1), 6, wrenches(1, first), &
+                & moved(1, first), n, matrix(first, first))
         end do
     end subroutine add_shaft
 

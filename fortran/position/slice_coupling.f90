@@ -5,6 +5,7 @@ module flankload_slice_coupling
     use flankload_kinds, only: wp
     use flankload_status, only: code_not_in_slices
     use flankload_error, only: error_type, fatal_error
+    use flankload_cell_field, only: mirror
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, usual_half_width
@@ -99,8 +100,9 @@ contains
         at = directed_zones(meshes(1)%slices, position%zones)
         do z = 1, 2
             if (allocated(bodies(z)%shaft)) call add_shaft(bodies(z)%shaft, meshes(1)%axes(:, z), &
-                & at, position%smooth)
+                & at, n, position%smooth)
         end do
+        call mirror(position%smooth)
         if (allocated(meshes(1)%friction)) call couple_sliding(bodies, meshes, position)
     end subroutine couple_slices
 

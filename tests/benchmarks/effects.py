@@ -80,7 +80,7 @@ STAGES = {
     "zones": ("locate_contacts",),
     "lumped": ("estimate_forces",),
     "pairs": ("lay_pairs", "measure_reach", "append_place", "reach_of"),
-    "influence": ("influence_matrix",),
+    "influence": ("pair_influences",),
     "loop": ("solve_contact_problem", "solve_pass"),
 }
 #: An absent effect may cost this part of the core without it.

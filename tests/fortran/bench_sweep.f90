@@ -9,7 +9,7 @@ program bench_sweep
         & mesh_type, method_single, position_state, solve_contact_problem, solve_position, &
         & symmetric_matrix
     use flankload_contact_pairs, only: pairs_type
-    use flankload_influence_coefficients, only: influence_matrix
+    use flankload_pair_influence, only: pair_influences
     use flankload_lumped_estimate, only: estimate_forces
     use flankload_position_zones, only: locate_contacts, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
@@ -156,7 +156,7 @@ contains
             if (allocated(error)) error stop 1
             call lap(clock, times(way_pairs))
             allocate (matrix(laid%n, laid%n))
-            call influence_matrix(bodies(1)%compliance, bodies(2)%compliance, laid, matrix)
+            call pair_influences(bodies, meshes, position%zones, laid, matrix)
             call lap(clock, times(way_influence))
             expected = expected_pairs(laid, position%zones, cells)
             call solve(laid, matrix, torque, symmetric_matrix, expected, state, clock, &

@@ -2,12 +2,13 @@
 program test_cells
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, slices_type
-    use flankload_cell_field, only: cell_influences
+    use flankload_cell_field, only: add_cells, add_sliding, mirror
     use flankload_compliance_field, only: compliance_type, strip_kernel
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
+    use flankload_mode_field, only: add_modes, places_type
     use flankload_rectangle_potential, only: add_potentials, cell_potential
-    use flankload_slice_field, only: middle_of, segment_type, sliced_compliance, &
-        & sliced_tangential, width_of
+    use flankload_slice_field, only: flank_of, middle_of, modes_of, segment_type, &
+        & sliced_compliance, sliced_tangential, width_of
     use flankload_tangential_potential, only: rectangle_field
     implicit none
 
@@ -317,15 +318,13 @@ contains
         pairs%s_1 = [(0.1_wp*modulo(i - 1, 3), i=1, n)]
         pairs%s_2 = pairs%s_1
         pairs%cell_1 = 0.1_wp
-        call cell_influences(body, rigid, slices, segments, pairs, reshape([real(wp) ::], [0, n]), &
-            & reshape([real(wp) ::], [0, n]), whole)
+        call set_influences([body, rigid], slices, segments, pairs, whole)
         body%z_low = 0.0_wp
         body%end_strength = [1.0_wp, 0.0_wp]
         pairs%n = 6
         pairs%site = pairs%site + 2
         pairs%zone = pairs%zone + 2
-        call cell_influences(body, rigid, slices, segments, pairs, reshape([real(wp) ::], [0, 6]), &
-            & reshape([real(wp) ::], [0, 6]), half)
+        call set_influences([body, rigid], slices, segments, pairs, half)
         call expect(all(abs(half - whole(7:, 7:) - whole(7:, [4, 5, 6, 1, 2, 3])) &
             & < 1.0e-10_wp*whole(1, 1)), 'mirror')
     end subroutine test_end_faces_mirror_cells
@@ -350,9 +349,40 @@ contains
         if (present(slides)) pairs%friction = [(0.01_wp*i, i=1, pairs%n)]
         allocate (matrix(pairs%n, pairs%n))
         rigid = reshape([(0.1_wp*i, i=1, pairs%n)], [1, pairs%n])
-        call cell_influences(bodies(1), bodies(2), slices, segments, pairs, rigid, &
-            & compliance*rigid, matrix)
+        call set_influences(bodies, slices, segments, pairs, matrix)
+        matrix = matrix + compliance*matmul(transpose(rigid), rigid)
     end function matrix_of
+
+    !> Compute K of cells without shafts.
+    subroutine set_influences(bodies, slices, segments, pairs, matrix)
+        !> Bodies
+        type(compliance_type), intent(in) :: bodies(2)
+        !> Slices, contact lines and cells
+        type(slices_type), intent(in) :: slices
+        type(segment_type), intent(in) :: segments(:)
+        type(pairs_type), intent(in) :: pairs
+        !> K [mm/N]
+        real(wp), contiguous, intent(out) :: matrix(:, :)
+
+        integer :: b, i, n
+        type(places_type) :: places(2)
+
+        n = pairs%n
+        do b = 1, 2
+            places(b)%of = [(i, i=1, n)]
+            places(b)%site = pairs%site(:n)
+            places(b)%s = pairs%s_1(:n)
+            if (b == 2) places(b)%s = pairs%s_2(:n)
+            places(b)%values = modes_of(bodies(b), slices, places(b)%site, places(b)%s)
+        end do
+        matrix = 0.0_wp
+        call add_modes(bodies, places, flank_of(slices, pairs%site(:n)), n, matrix)
+        call add_cells(bodies(1), bodies(2), segments, pairs, matrix)
+        call mirror(matrix)
+        if (allocated(pairs%friction)) then
+            call add_sliding(bodies(1), bodies(2), slices, segments, pairs, matrix)
+        end if
+    end subroutine set_influences
 
     !> Set up two flanks of four uneven slices, one of them without cells; some slices have cells of
     !> one width.

@@ -25,7 +25,7 @@ LEFT_OUT = ("build*", ".venv", ".git", "__pycache__", ".*_cache", "dist", "out",
 LONGEST = 600
 #: Nor does one that asks for more memory, bytes.
 MOST_MEMORY = 4 * 2**30
-CORE_PROGRAMS = ("test_core", "test_slices", "test_cells", "test_many")
+CORE_PROGRAMS = ("test_core", "test_slices", "test_cells", "test_meshes", "test_many")
 
 
 def _limit_memory() -> None:

@@ -81,11 +81,6 @@ _FORTRAN = (
         ("sign(1.0_wp, zone%side*lever)", "sign(1.0_wp, lever)"),
     ),
     *_in(
-        "lumped_contacts.f90",
-        "physics/test_shafts.py",
-        ("min(place%reach, 2.0_wp*position%beside)", "min(place%reach, 20.0_wp*position%beside)"),
-    ),
-    *_in(
         "slice_field.f90",
         "core",
         ("(body_2%jump - body_1%jump)", "(body_2%jump + body_1%jump)"),
@@ -133,14 +128,30 @@ _FORTRAN = (
     ),
     *_in(
         "pair_influence.f90",
+        "core",
+        ("+ zones(pairs%zone(of(i)))%offset(end(i))", ""),
+        (
+            "end(i) = findloc(zones(pairs%zone(i))%body, b, dim=1)",
+            "end(i) = findloc([1, 2], b, dim=1)",
+        ),
+    ),
+    *_in("mode_field.f90", "core", ("if (any(at == 0)) then", "if (all(at == 0)) then")),
+    *_in(
+        "pair_influence.f90",
         "physics/test_cells_in_three_dimensions.py",
-        ("wrenches_on(bodies(2)%shaft", "wrenches_on(bodies(1)%shaft"),
+        (
+            "call add_shaft(bodies(b)%shaft, meshes(1)%axes(:, b)",
+            "call add_shaft(bodies(b)%shaft, meshes(1)%axes(:, 1)",
+        ),
     ),
     *_in(
         "shaft_influence.f90",
         "core",
         ("if (abs(zones(k)%corner) == 1) tangent = place%tangent_2\n", "\n"),
-        ("            do i = 1, j\n", "            do i = 1, size(wrenches, 2)\n"),
+        (
+            "& moved(1, first), n, matrix(first, first))",
+            "& wrenches(1, first), n, matrix(first, first))",
+        ),
     ),
     *_in(
         "slice_coupling.f90",

@@ -1,0 +1,122 @@
+!> Displacements by modes between all places of all bodies, V g Vᵀ: the smooth part of K, in the
+!> plane and in slices.
+module flankload_mode_field
+    use flankload_kinds, only: wp
+    use flankload_compliance_field, only: compliance_type
+    use flankload_lapack, only: add_block, set_product
+    implicit none
+    private
+
+    public :: places_type
+    public :: add_modes
+
+    !> Places of one body at which forces of pairs act.
+    type :: places_type
+        !> Indices of the pairs, ascending, shape (n)
+        integer, allocatable :: of(:)
+        !> Sites of the body, shape (n)
+        integer, allocatable :: site(:)
+        !> Arc lengths, and widths of the cells there [mm], shape (n)
+        real(wp), allocatable :: s(:), cell(:)
+        !> Rotation of the forces from the normals of the flank towards increasing arc length, and
+        !> that over its sharp tip [rad], shape (n)
+        real(wp), allocatable :: turn(:), corner_turn(:)
+        !> Values of the modes, shape (n_modes, n); no modes for a body with tables between nodes
+        real(wp), allocatable :: values(:, :)
+    end type places_type
+
+    !> Number of columns that are computed together: as many as fit into the cache
+    integer, parameter :: panel = 96
+
+contains
+
+    !> Add the displacements by modes to the lower triangle of K.
+    pure subroutine add_modes(bodies, places, flank, n, matrix)
+        !> Compliances of the bodies
+        type(compliance_type), intent(in) :: bodies(:)
+        !> Places of each body
+        type(places_type), intent(in) :: places(:)
+        !> Flank pair of each pair, those of a flank pair adjacent, shape (n)
+        integer, intent(in) :: flank(:)
+        !> Number of pairs
+        integer, intent(in) :: n
+        !> K [mm/N] (of explicit shape, so that parts of it are passed in place)
+        real(wp), intent(inout) :: matrix(n, n)
+
+        integer :: b, m, first, last, row, row_last
+        integer :: at(n, size(bodies)), before(size(bodies) + 1)
+        real(wp), allocatable :: values(:, :), displaced(:, :)
+
+        before(1) = 0
+        at = 0
+        do b = 1, size(bodies)
+            before(b + 1) = before(b) + size(places(b)%values, 1)
+            at(places(b)%of, b) = [(m, m=1, size(places(b)%of))]
+        end do
+        m = before(size(before))
+        allocate (values(m, n), displaced(m, panel), source=0.0_wp)
+        do b = 1, size(bodies)
+            values(before(b) + 1:before(b + 1), places(b)%of) = places(b)%values
+        end do
+        first = 1
+        do while (first <= n)
+            last = min(last_of(flank, first), first + panel - 1)
+            row = first
+            do while (row <= n)
+                row_last = last_of(flank, row)
+                do b = 1, size(bodies)
+                    call displace(bodies(b), places(b), at([row, first], b), last - first + 1, &
+                        & before(b), m, displaced)
+                end do
+                call add_block(row_last - row + 1, last - first + 1, m, values(1, row), &
+                    & displaced, n, matrix(row, first))
+                row = row_last + 1
+            end do
+            first = last + 1
+        end do
+    end subroutine add_modes
+
+    !> Compute the displacement of a flank as modes of one body under unit forces on another one.
+    pure subroutine displace(body, places, at, n, before, m, displaced)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Its places
+        type(places_type), intent(in) :: places
+        !> Places where displaced, and of the first of the loads; 0 if on other bodies
+        integer, intent(in) :: at(2)
+        !> Number of loads, which are consecutive
+        integer, intent(in) :: n
+        !> Numbers of modes of the bodies before this one, and of all bodies
+        integer, intent(in) :: before
+        integer, intent(in) :: m
+        !> Displacements as modes [mm/N]; those of the body are set
+        real(wp), intent(inout) :: displaced(m, n)
+
+        integer :: own
+
+        own = size(places%values, 1)
+        if (own == 0) return
+        if (any(at == 0)) then
+            displaced(before + 1:before + own, :) = 0.0_wp
+            return
+        end if
+        ! reciprocal: the block with both sites exchanged is the transpose
+        call set_product(own, n, own, body%smooth(:, :, body%block(places%site(at(2)), &
+            & places%site(at(1)))), places%values(:, at(2):), m, displaced(before + 1, 1))
+    end subroutine displace
+
+    !> Return the last of the adjacent pairs of a flank pair.
+    pure integer function last_of(flank, first)
+        !> Flank pair of each pair
+        integer, intent(in) :: flank(:)
+        !> One of them
+        integer, intent(in) :: first
+
+        last_of = first
+        do while (last_of < size(flank))
+            if (flank(last_of + 1) /= flank(first)) exit
+            last_of = last_of + 1
+        end do
+    end function last_of
+
+end module flankload_mode_field
