@@ -29,6 +29,7 @@ COUNTERS = {
     "fe_load_cases_growth": "load case of the expansion of a body",
     "coast_readings": "solution for a mode of displacement of a coast flank",
     "corner_readings": "solution for the displacement of a sharp tip along its flank",
+    "bore_reactions": "solution for a reaction on a bore whose mean motion is held",
     "cut_columns": "solution for an unknown of the cuts of a sector",
     "stress_recoveries": "solution for a place of stress in a root fillet",
     "states": "position under a torque",

@@ -66,6 +66,9 @@ class SectorMesh:
     regions : tuple of str
         Name of the region of each entry of `cells`, "" if it is as wide as the teeth; empty if all
         elements are.
+    bore_edges : (b, 3) array
+        Edges, as of `flank_edges`, of a bore (or the outside of a ring) that is free but for its
+        mean motion; empty if it is fixed.
     """
 
     nodes: Floats
@@ -79,6 +82,17 @@ class SectorMesh:
     tip_edges: Numbers = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
     tip_arc_length: Floats = field(default_factory=lambda: np.empty((0, 3)))
     regions: tuple[str, ...] = ()
+    bore_edges: Numbers = field(default_factory=lambda: np.empty((0, 3), dtype=np.int64))
+
+    @property
+    def has_free_bore(self) -> bool:
+        """Whether only the mean motion of the bore is held."""
+        return bool(self.bore_edges.size)
+
+    @property
+    def bore_nodes(self) -> Numbers:
+        """Nodes of the bore (or the outside of a ring), fixed or not."""
+        return np.union1d(self.fixed_nodes, self.bore_edges)
 
     @property
     def flank_elements(self) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
+from flankload.elasticity.condensed_sector import CondensedSector, MeanMotion
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import (
     condensed,
@@ -22,8 +23,9 @@ from flankload.elasticity.finite_elements import (
     lame_parameters,
     stiffness,
 )
+from flankload.elasticity.mean_motion import plane_reactions
 from flankload.elasticity.near_field import loaded_edges, mirrored_loads
-from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
+from flankload.elasticity.sector_closure import ring_displacements
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -187,6 +189,14 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
     inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
     inner, complement = condensed(matrix, inside, cut)
     coupling = matrix[cut][:, inside]
+    reactions, mean = np.zeros((matrix.shape[0], 0)), None
+    if mesh.has_free_bore:
+        reactions = plane_reactions(mesh, body.material.young_modulus_MPa)
+        by_reactions = inner(reactions[inside])
+        mean = MeanMotion(
+            reactions[inside].T @ by_reactions, (), reactions[cut] - coupling @ by_reactions
+        )
+    sector = CondensedSector((), (), complement, mean=mean)
 
     def solve(forces: Floats) -> Floats:
         whole = forces.reshape(-1, 2)
@@ -194,9 +204,12 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
         local = np.stack([turned(whole[row], -k * pitch) for k, row in enumerate(numbers)])
         local[:, mesh.right_nodes] = 0.0
         right = local.reshape(z, -1).T  # (2N, z)
-        carried = right[cut] - coupling @ inner(right[inside])
+        held = inner(right[inside])
         moved = np.zeros_like(right)
-        moved[cut] = ring_displacements(CondensedSector((), (carried,), complement), z)
+        moved[cut], factors = ring_displacements(
+            sector, z, right[cut] - coupling @ held, reactions[inside].T @ held
+        )
+        right += reactions @ factors
         moved[inside] = inner(right[inside] - coupling.T @ moved[cut])
         found = np.empty_like(whole)
         for k, row in enumerate(numbers):

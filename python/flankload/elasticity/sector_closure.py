@@ -1,21 +1,30 @@
-"""Static condensation of one sector to its loads and cuts, and assembly of equal sectors.
+"""Static condensation of one sector to its loads and cuts, and the closed ring of equal sectors.
 
 A condensed sector consists of the response to its loads with fixed cuts, the forces G of these
 loads on the cuts, and the stiffness S of the cuts. A ring of equal sectors is block-circulant and
-solved by sector harmonics; an open row is solved by block elimination. Both are exact. Each kind of
-reading (displacements under the loads, coast flank, stress, …) has a separate product, so that its
-bits do not depend on other readings.
+solved by sector harmonics, exactly. Each kind of reading (displacements under the loads, coast
+flank, stress, …) has a separate product, so that its bits do not depend on other readings.
+
+If only the mean motion of the bore is held, its reactions R s on the bore have further unknowns s
+in the harmonics of rigid motions (`MeanMotion`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.rotation import turned
+from flankload.elasticity.condensed_sector import (
+    AXIAL_MOTIONS,
+    IN_PLANE,
+    LATERAL_MOTIONS,
+    CondensedSector,
+    MeanMotion,
+    on_cuts,
+    turned_cuts,
+)
 from flankload.elasticity.finite_elements import condensed, degrees_of, factored
 from flankload.elasticity.job_log import JobLog
 
@@ -24,32 +33,8 @@ if TYPE_CHECKING:
 
     from scipy.sparse import csc_array
 
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Complexes, Floats, Numbers
     from flankload.bodies.body import SectorMesh
-
-
-@dataclass(frozen=True)
-class CondensedSector:
-    """One condensed sector with free cuts, with the unknowns of the cuts in its frame.
-
-    Attributes
-    ----------
-    local : tuple of (r, p) arrays
-        By kind of reading, the loads first: response of its r readings to the p loads with fixed
-        cuts.
-    carried : tuple of (2 m, r) arrays
-        By kind of reading: forces on the left and the right cut if the readings act as loads.
-    stiffness : (2 m, 2 m) array
-        Stiffness of the cuts.
-    components : int
-        Components of a displacement: 2, or 3 with the axial one last. The unknowns of a point of a
-        cut are consecutive.
-    """
-
-    local: tuple[Floats, ...]
-    carried: tuple[Floats, ...]
-    stiffness: Floats
-    components: int = 2
 
 
 def condense(
@@ -58,6 +43,7 @@ def condense(
     mesh: SectorMesh,
     readings: Mapping[str, Floats] | None = None,
     log: JobLog | None = None,
+    reactions: Floats | None = None,
 ) -> tuple[CondensedSector, int]:
     """Condense a sector to its loads and cuts.
 
@@ -71,6 +57,8 @@ def condense(
         Further readings of the displacements, by the counter of their solutions (`cost.COUNTERS`).
         Body loads are readings, too: by reciprocity (Betti), they read the displacements that they
         cause.
+    reactions : (2N, 3) array, optional
+        Those of a bore whose mean motion is held (`MeanMotion`).
 
     Returns
     -------
@@ -89,21 +77,159 @@ def condense(
     log.end_step("factorisation")
     kinds, solved = [loads], [solve(loads[inside])]
     log.solution(inside, solved[0], matrix.shape[0])
-    for name, columns in (readings or {}).items():
+    further = dict(readings or {})
+    if reactions is not None:
+        further["bore_reactions"] = reactions
+    for name, columns in further.items():
         log.account.count(**{name: columns.shape[1]})
         kinds.append(columns)
         solved.append(solve(columns[inside]))
     log.account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
     coupling = matrix[cut][:, inside]
+    carried = [
+        columns[cut] - coupling @ moved for columns, moved in zip(kinds, solved, strict=True)
+    ]
+    mean = None
+    if reactions is not None:
+        by_reactions = kinds.pop()[inside].T @ np.hstack(solved)
+        own, local = by_reactions[:, -reactions.shape[1] :], solved.pop()
+        mean = MeanMotion(own, tuple(columns[inside].T @ local for columns in kinds), carried.pop())
     sector = CondensedSector(
         local=tuple(columns[inside].T @ solved[0] for columns in kinds),
-        carried=tuple(
-            columns[cut] - coupling @ moved for columns, moved in zip(kinds, solved, strict=True)
-        ),
+        carried=tuple(carried),
         stiffness=complement,
+        mean=mean,
     )
     log.end_step("solution")
     return sector, inside.size + cut.size // 2
+
+
+class Harmonics:
+    """Equations of a closed ring of equal sectors, by sector harmonic.
+
+    In harmonic k the displacements of the cuts are w exp(i k pitch t) in the frames of sectors t;
+    the common cut of sectors t - 1 and t belongs to sector t. Reactions of a mean motion have
+    further unknowns s in harmonics 0 and 1: with the motions W of a ring,
+
+        [  S      -c W   ] [w]   [ l   ]
+        [ -W'c'   -W'h W ] [s] = [ W'x ] f                                                    (M1)
+
+    with the forces l and c of loads and reactions on the cuts, and the motions x and h under them
+    with fixed cuts. A reading r of [w; s] is [l_r; W'x_r]'.
+    """
+
+    def __init__(self, sector: CondensedSector, teeth: int) -> None:
+        self._sector, self._pitch = sector, 2.0 * np.pi / teeth
+        self._stiffness, self._carried = turned_cuts(sector, self._pitch)
+
+    def motions(self, k: int) -> Complexes:
+        """Motions W (n, q) of a ring in harmonic k, by the reactions of a sector."""
+        mean = self._sector.mean
+        count = 0 if mean is None else len(mean.own)
+        if count == 0 or k > 1:
+            return np.zeros((count, 0), dtype=complex)
+        motions = (AXIAL_MOTIONS, LATERAL_MOTIONS)[k]
+        if count == len(motions):
+            return motions
+        return motions[IN_PLANE][:, motions[IN_PLANE].any(axis=0)]
+
+    def on_cuts(self, forces: Floats) -> tuple[Floats, Floats]:
+        """Forces (2 m, r) on left and right cuts, these in the frame of the next sector."""
+        return on_cuts(self._sector, forces, self._pitch)
+
+    def system(self, k: int) -> Complexes:
+        """Matrix (M1) of harmonic k."""
+        left_left, left_right, right_left, right_right = self._stiffness
+        wave, motions = np.exp(1j * self._pitch * k), self.motions(k)
+        stiffness = left_left + right_right + left_right * wave + right_left / wave
+        mean = self._sector.mean
+        if mean is None or not motions.size:
+            return np.asarray(stiffness)
+        left, right = self.on_cuts(mean.carried)
+        border = -(left + right / wave) @ motions
+        corner = -motions.conj().T @ mean.own @ motions
+        return np.block([[stiffness, border], [border.conj().T, corner]])
+
+    def loads(self, k: int) -> list[Complexes]:
+        """Right sides of (M1) by kind of reading; transposed, readings of its unknowns."""
+        wave, motions = np.exp(1j * self._pitch * k), self.motions(k)
+        found = [np.asarray(left + right / wave) for left, right in self._carried]
+        mean = self._sector.mean
+        if mean is None:
+            return found
+        return [
+            np.concatenate([part, motions.conj().T @ local.T])
+            for part, local in zip(found, mean.local, strict=True)
+        ]
+
+
+def close_ring(sector: CondensedSector, teeth: int) -> Floats:
+    """Response (z, r, p) of all teeth of a closed ring to the loads on tooth 0.
+
+    A Fourier transform over the sectors decouples the block-circulant system (`Harmonics`). [t]:
+    readings on tooth t, in its frame; the first p are those of the loads.
+    """
+    ring = Harmonics(sector, teeth)
+    response = [np.zeros((teeth, *local.shape)) for local in sector.local]
+    angles = 2.0 * np.pi * np.arange(teeth) / teeth
+    for k in range(teeth // 2 + 1):
+        weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
+        loads = ring.loads(k)
+        unknown = np.linalg.solve(ring.system(k), loads[0])
+        waves = np.exp(1j * k * angles)[:, None, None]
+        for part, read in zip(response, loads, strict=True):
+            part += (weight / teeth) * np.real((read.conj().T @ unknown)[None] * waves)
+    for part, local in zip(response, sector.local, strict=True):
+        part[0] += local
+    return np.concatenate(response, axis=1)
+
+
+def ring_displacements(
+    sector: CondensedSector, teeth: int, forces: Floats, motions: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """Displacements of the cuts of all sectors of a closed ring, in the sectors' frames.
+
+    Parameters
+    ----------
+    forces : (2 m, z) array
+        Forces of the loads of each sector on its cuts.
+    motions : (n, z) array, optional
+        Motions of the bore of each sector under its loads with fixed cuts, for a mean motion.
+
+    Returns
+    -------
+    displacements : (2 m, z) array
+    reactions : (n, z) array
+        Factors of the reactions of a mean motion; n = 0 without one.
+    """
+    ring = Harmonics(sector, teeth)
+    left, right = ring.on_cuts(forces)
+    load = np.fft.rfft(left + np.roll(right, 1, axis=1), axis=1)
+    seen = np.fft.rfft(np.zeros((0, teeth)) if motions is None else motions, axis=1)
+    waved, reactions = np.empty_like(load), np.zeros_like(seen)
+    for k in range(load.shape[1]):
+        rigid = ring.motions(k)
+        known = np.append(load[:, k], rigid.conj().T @ seen[:, k])
+        found = np.linalg.solve(ring.system(k), known)
+        waved[:, k], reactions[:, k] = found[: len(load)], rigid @ found[len(load) :]
+    moved = np.fft.irfft(waved, n=teeth, axis=1).T
+    next_cut = np.roll(moved, -1, axis=0).reshape(teeth, -1, sector.components).copy()
+    next_cut[..., :2] = turned(next_cut[..., :2], 2.0 * np.pi / teeth)
+    displacements = np.concatenate([moved.T, next_cut.reshape(teeth, -1).T])
+    return displacements, np.fft.irfft(reactions, n=teeth, axis=1)
+
+
+def uniform_response(sector: CondensedSector, teeth: int) -> Floats:
+    """Response (r, p) of a ring under equal loads on all teeth: the sum over `close_ring`."""
+    ring = Harmonics(sector, teeth)
+    reads = ring.loads(0)
+    unknown = np.linalg.solve(ring.system(0), reads[0])
+    return np.concatenate(
+        [
+            local + np.real(read.conj().T @ unknown)
+            for local, read in zip(sector.local, reads, strict=True)
+        ]
+    )
 
 
 def sector_unknowns(mesh: SectorMesh, *, held: bool = False) -> int:
@@ -111,159 +237,6 @@ def sector_unknowns(mesh: SectorMesh, *, held: bool = False) -> int:
     fixed = np.concatenate([mesh.fixed_nodes, mesh.left_nodes, mesh.right_nodes])
     inside = len(mesh.nodes) - np.unique(fixed).size
     return 2 * (inside if held else inside + mesh.left_nodes.size)
-
-
-def close_ring(sector: CondensedSector, teeth: int) -> Floats:
-    """Response (z, r, p) of all teeth of a closed ring to the loads on tooth 0.
-
-    The unknowns of the common cut of sectors k - 1 and k are in the frame of sector k. A Fourier
-    transform over the sectors decouples the block-circulant system. [t]: readings on tooth t, in
-    its frame; the first p are those of the loads.
-    """
-    pitch = 2 * np.pi / teeth
-    (left_left, left_right, right_left, right_right), carried = turned_cuts(sector, pitch)
-    response = [np.zeros((teeth, *local.shape)) for local in sector.local]
-    offsets = np.arange(teeth)
-    for k in range(teeth // 2 + 1):
-        weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
-        shift = np.exp(1j * pitch * k)
-        # w_t = w exp(i k pitch t); loads on the left (t = 0) and the right cut (t = 1) of sector 0
-        load_left, load_right = carried[0]
-        unknown = np.linalg.solve(
-            left_left + right_right + left_right * shift + right_left / shift,
-            load_left + load_right / shift,
-        )
-        waves = np.exp(1j * pitch * k * offsets)[:, None, None]
-        for part, (read_left, read_right) in zip(response, carried, strict=True):
-            seen = read_left.T @ unknown + (read_right.T @ unknown) * shift
-            part += (weight / teeth) * np.real(seen[None] * waves)
-    for part, local in zip(response, sector.local, strict=True):
-        part[0] += local
-    return np.concatenate(response, axis=1)
-
-
-def ring_displacements(sector: CondensedSector, teeth: int) -> Floats:
-    """Displacements (2 m, z) of the cuts of all sectors of a closed ring, in the sectors' frames.
-
-    `sector.carried` contains the forces on the cuts of each sector, (2 m, z).
-    """
-    pitch = 2 * np.pi / teeth
-    (left_left, left_right, right_left, right_right), ((one, two),) = turned_cuts(sector, pitch)
-    load = np.fft.rfft(one + np.roll(two, 1, axis=1), axis=1).T
-    waved = np.empty_like(load)
-    for k, wave in enumerate(np.exp(1j * pitch * np.arange(len(load)))):
-        system = left_left + right_right + left_right * wave + right_left / wave
-        waved[k] = np.linalg.solve(system, load[k])
-    left = np.fft.irfft(waved, n=teeth, axis=0)
-    right = np.roll(left, -1, axis=0).reshape(teeth, -1, sector.components).copy()
-    right[..., :2] = turned(right[..., :2], pitch)
-    return np.concatenate([left.T, right.reshape(teeth, -1).T])
-
-
-def uniform_response(sector: CondensedSector, teeth: int) -> Floats:
-    """Response (r, p) of a ring under equal loads on all teeth: the sum over `close_ring`."""
-    stiffness, carried = turned_cuts(sector, 2 * np.pi / teeth)
-    reads = [left + right for left, right in carried]
-    unknown = np.linalg.solve(sum(stiffness), reads[0])
-    return np.concatenate(
-        [local + read.T @ unknown for local, read in zip(sector.local, reads, strict=True)]
-    )
-
-
-@dataclass(frozen=True)
-class RowCell:
-    """A condensed cell of a row; its cuts are in the frames of the neighbouring cells.
-
-    Attributes
-    ----------
-    local : tuple of (r, p) arrays
-        As in `CondensedSector`; the first p readings are the loads.
-    carried : tuple of (left, right)
-        By kind of reading, forces on both cuts, (m, r) each; not used at the ends of a row.
-    stiffness : (left-left, left-right, right-left, right-right)
-    """
-
-    local: tuple[Floats, ...]
-    carried: tuple[tuple[Floats, Floats], ...]
-    stiffness: tuple[Floats, ...]
-
-    @property
-    def loads(self) -> int:
-        """Number of loads."""
-        return self.local[0].shape[1]
-
-    def seen(self, side: int, moved: Floats) -> Floats:
-        """All readings of the displacements of the left (side 0) or the right cut (1)."""
-        return np.concatenate([both[side].T @ moved for both in self.carried])
-
-
-def row_response(cells: Sequence[RowCell]) -> Floats:
-    """Response (sum of r, sum of p) of all cells of an open row to the loads on each.
-
-    The block-tridiagonal stiffness of the interfaces is eliminated from one end to the other.
-    Supports and loads at both ends of the row are part of the first and the last cell. Cells may
-    differ in loads and readings.
-    """
-    loads = [cell.loads for cell in cells]
-    ends = np.concatenate([[0], np.cumsum(loads)])
-    found: list[tuple[Floats, Floats]] = []
-    for k, (one, two) in enumerate(pairwise(cells)):
-        # interface k, between cells k and k + 1, under the loads of cells up to k + 1
-        pivot = one.stiffness[3] + two.stiffness[0]
-        force = np.zeros((len(pivot), ends[k + 2]))
-        force[:, ends[k] : ends[k + 1]] = one.carried[0][1][:, : loads[k]]
-        force[:, ends[k + 1] :] = two.carried[0][0][:, : loads[k + 1]]
-        if k:
-            coupled, known = found[-1]
-            pivot = pivot - one.stiffness[2] @ coupled
-            force[:, : ends[k + 1]] -= one.stiffness[2] @ known
-        solved = np.linalg.solve(pivot, np.hstack([two.stiffness[1], force]))
-        found.append((solved[:, : -force.shape[1]], solved[:, -force.shape[1] :]))
-    parts = [np.zeros((sum(map(len, cell.local)), ends[-1])) for cell in cells]
-    moved = np.zeros((0, ends[-1]))
-    for k in range(len(cells) - 2, -1, -1):
-        coupled, known = found[k]
-        after = moved
-        moved = np.zeros((len(known), ends[-1]))
-        moved[:, : known.shape[1]] = known
-        if k < len(cells) - 2:
-            moved -= coupled @ after
-        parts[k] += cells[k].seen(1, moved)
-        parts[k + 1] += cells[k + 1].seen(0, moved)
-    for k, cell in enumerate(cells):
-        parts[k][:, ends[k] : ends[k + 1]] += np.concatenate(cell.local)
-    return np.concatenate(parts)
-
-
-def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
-    """Response (n, n, r, p) of the sectors of an open row with fixed ends to the loads on each.
-
-    Each sector is rotated counter-clockwise by `turn_rad` relative to the previous one. [i, j]:
-    readings on sector i under the loads on sector j, each in its frame.
-    """
-    stiffness, carried = turned_cuts(sector, turn_rad)
-    cell = RowCell(sector.local, carried, stiffness)
-    row = row_response([cell] * cells)
-    return row.reshape(cells, -1, cells, cell.loads).transpose(0, 2, 1, 3).copy()
-
-
-def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:
-    """Response (z, r, p) of a body that is reduced to a segment around each pair of teeth.
-
-    The response between two teeth is that of the two sectors of the segment at the same distance
-    that are nearest to its middle, or the mean of two such pairs: symmetric (Betti), and periodic
-    with the tooth pitch. Teeth at a greater distance than the length of the segment do not affect
-    each other. `cells` is odd and at most the number of teeth.
-    """
-    row = open_row(sector, cells, 2 * np.pi / teeth)
-    response = np.zeros((teeth, *row.shape[2:]))
-    for apart in range(min(cells - 1, teeth // 2) + 1):
-        spare = cells - 1 - apart
-        for first in (spare // 2, spare - spare // 2):
-            weight = 0.25 if apart == 0 or 2 * apart == teeth else 0.5
-            response[apart] += weight * row[first + apart, first]
-            response[-apart % teeth] += weight * row[first, first + apart]
-    return response
 
 
 def tooth_response(
@@ -301,27 +274,3 @@ def made_symmetric(response: Floats, across: Numbers) -> tuple[Floats, float]:
     mirrored = response[across].transpose(0, 2, 1)
     asymmetry = float(np.abs(response - mirrored).max() / np.abs(response).max())
     return 0.5 * (response + mirrored), asymmetry
-
-
-def turned_cuts(
-    sector: CondensedSector, turn_rad: float
-) -> tuple[tuple[Floats, ...], tuple[tuple[Floats, Floats], ...]]:
-    """Stiffness of the cuts and forces on them, with the right cut in the frame of the next sector.
-
-    Returns
-    -------
-    stiffness : left-left, left-right, right-left, right-right, each (m, m)
-    carried : by kind of reading left, right, each (m, r)
-    """
-    m = len(sector.stiffness) // 2
-    cosine, sine = np.cos(turn_rad), np.sin(turn_rad)
-    block = np.eye(sector.components)
-    block[:2, :2] = [[cosine, -sine], [sine, cosine]]
-    turn = np.kron(np.eye(m // sector.components), block)
-    # right unknowns of sector k, in its frame = turn @ left unknowns of sector k + 1, in its frame
-    return (
-        sector.stiffness[:m, :m],
-        sector.stiffness[:m, m:] @ turn,
-        turn.T @ sector.stiffness[m:, :m],
-        turn.T @ sector.stiffness[m:, m:] @ turn,
-    ), tuple((forces[:m], turn.T @ forces[m:]) for forces in sector.carried)

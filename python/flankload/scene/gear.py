@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from itertools import pairwise
 from math import asin, degrees, sin
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from flankload.scene import axial, regions
 from flankload.scene.involute import Geometry, InvoluteKeys, check_pitch_errors, check_tip
 from flankload.scene.materials import MaterialName
-from flankload.scene.refusal import refuse
+from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import (
     USUAL_ROUNDING,
     USUAL_SIZE,
@@ -24,6 +24,8 @@ from flankload.scene.table import (
     about,
 )
 
+#: Support of a body at its bore, or at the outside of its rim.
+Support = Literal["held", "torque"]
 #: Least bore over tip diameter; a body fixed at a point could turn about it without resistance.
 LEAST_BORE = 1e-3
 
@@ -53,8 +55,16 @@ class Gear(
 
     teeth: Annotated[Teeth, about("number of teeth", "-")]
     bore_diameter_mm: Annotated[
-        Length, about("diameter of the bore, where the body is fixed", "mm", usual=USUAL_SIZE)
+        Length, about("diameter of the bore, where the body is held", "mm", usual=USUAL_SIZE)
     ]
+    bore: Annotated[
+        Support,
+        about(
+            "'held': no point of the bore moves, as on a shaft far stiffer than the rim; 'torque': "
+            "only its mean motion is held, by the torque and the forces on the shaft, spread over "
+            "the bore, so that a thin rim bends (hollow gears, gears on a spline or a thin tube)"
+        ),
+    ] = "held"
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
     poisson_ratio: PoissonRatio = 0.3
@@ -88,6 +98,12 @@ class Gear(
         self.check_axial(given, key)
         self.check_regions(key)
         check_bore(self, key)
+        _check_support(self, "bore", key)
+
+    @property
+    def has_free_bore(self) -> bool:
+        """Whether only the mean motion of the bore is held."""
+        return self.bore == "torque"
 
 
 class WidthKeys(ByNormalModule, InvoluteKeys, frozen=True, kw_only=True):
@@ -122,7 +138,7 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
         Length, about("diameter of the root circle", "mm", usual=USUAL_SIZE)
     ]
     outer_diameter_mm: Annotated[
-        Length, about("outer diameter of the rim, where the body is fixed", "mm", usual=USUAL_SIZE)
+        Length, about("outer diameter of the rim, where the body is held", "mm", usual=USUAL_SIZE)
     ]
     material: MaterialName = None
     young_modulus_MPa: YoungModulus = 206000.0
@@ -155,6 +171,23 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
             usual=USUAL_ROUNDING,
         ),
     ] = None
+    rim: Annotated[
+        Support,
+        about(
+            "'held': no point of the outside of the rim moves, as in a stiff housing; 'torque': "
+            "only its mean motion is held, so that a thin rim bends"
+        ),
+    ] = "held"
+
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Check what all rings have in common, and the support of the rim."""
+        super().check(given, key)
+        _check_support(self, "rim", key)
+
+    @property
+    def has_free_bore(self) -> bool:
+        """Whether only the mean motion of the outside of the rim is held."""
+        return self.rim == "torque"
 
 
 def check_bore(body: Any, key: str) -> None:
@@ -166,6 +199,15 @@ def check_bore(body: Any, key: str) -> None:
     if body.bore_diameter_mm >= body.tip_diameter_mm:
         expected = f"less than {key}.tip_diameter_mm ({body.tip_diameter_mm:g})"
         refuse(f"{key}.bore_diameter_mm", expected, body.bore_diameter_mm)
+
+
+def _check_support(body: Gear | Ring, name: str, key: str) -> None:
+    """Check that a bore that bends follows no flexible shaft."""
+    if body.has_free_bore and body.shaft is not None and body.shaft.is_flexible:
+        expected = (
+            f"'held', since {key}.shaft.under_teeth is 'flexible': the bore follows the shaft"
+        )
+        refuse(f"{key}.{name}", expected, shown(getattr(body, name)))
 
 
 def _check_ring(ring: RingKeys, key: str) -> None:

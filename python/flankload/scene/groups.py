@@ -50,7 +50,9 @@ GROUPS = {
     "Width": ("face_width_mm", "axial_offset_mm"),
     "Bore, shaft, rim, web and hub": (
         "bore_",
+        "bore",
         "outer_diameter_mm",
+        "rim",
         "shaft",
         "rim_",
         "web_",

@@ -184,6 +184,11 @@ class BodyTable(Table, frozen=True, kw_only=True, tag_field="kind"):
         return str(self.__struct_config__.tag)
 
     @property
+    def has_free_bore(self) -> bool:
+        """Whether only the mean motion of the bore, or of the outside of a rim, is held."""
+        return False
+
+    @property
     def flank_keys(self) -> tuple[str, Table | None]:
         """Prefix of the keys of an involute flank ("", "profile.") and their table, if any."""
         return "", None

@@ -104,9 +104,12 @@ def test_rigid_mesh_needs_nothing_but_its_flank() -> None:
         solve(mesh_scene(**missing))
 
 
-@pytest.mark.parametrize("suffix", [".msh", ".vtu"])
-def test_round_trip_keeps_nodes_cells_and_sets(tmp_path: Path, suffix: str) -> None:
-    body = build_bodies(fl.read_scene(SCENES / "external_gear.toml")).body_1
+@pytest.mark.parametrize(
+    ("suffix", "bore"), [(".msh", "held"), (".vtu", "held"), (".msh", "torque")]
+)
+def test_round_trip_keeps_nodes_cells_and_sets(tmp_path: Path, suffix: str, bore: str) -> None:
+    scene = fl.read_scene(SCENES / "external_gear.toml").replace({"body_1.bore": bore})
+    body = build_bodies(scene).body_1
     path = tmp_path / f"sector{suffix}"
     write_body(path, body.mesh)
     back = read_mesh(path)
@@ -114,10 +117,11 @@ def test_round_trip_keeps_nodes_cells_and_sets(tmp_path: Path, suffix: str) -> N
     assert [kind for kind, _ in back.cells] == ["quad9"]
     np.testing.assert_array_equal(back.cells[0][1], body.mesh.cells[0][1])
     np.testing.assert_array_equal(back.sets["FLANK"], np.unique(body.mesh.flank_edges))
-    np.testing.assert_array_equal(back.sets["BORE"], np.unique(body.mesh.fixed_nodes))
+    np.testing.assert_array_equal(back.sets["BORE"], body.mesh.bore_nodes)
+    assert body.mesh.bore_nodes.size > 10
     for name, nodes in (("CUT_LEFT", body.mesh.left_nodes), ("CUT_RIGHT", body.mesh.right_nodes)):
         assert set(nodes) <= set(back.sets[name])
-        assert set(back.sets[name]) - set(nodes) <= set(body.mesh.fixed_nodes)
+        assert set(back.sets[name]) - set(nodes) <= set(body.mesh.bore_nodes)
 
 
 def test_mirrored_pair_gives_the_mirrored_result(tmp_path: Path) -> None:

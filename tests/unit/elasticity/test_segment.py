@@ -15,13 +15,8 @@ from flankload.bodies.body import SectorMesh
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import (
-    close_ring,
-    condense,
-    open_row,
-    segment_response,
-    tooth_response,
-)
+from flankload.elasticity.sector_closure import close_ring, condense, tooth_response
+from flankload.elasticity.sector_row import open_row, segment_response
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of
 from tests.support.gear_pair import GEARS

@@ -27,7 +27,7 @@ from flankload.studies.accuracy.runs import Runs
 from flankload.studies.accuracy.study import Row
 from flankload.studies.accuracy.study_text import limit_notes
 from tests.support.cam_scenes import cam_scene
-from tests.support.gear_scenes import changed
+from tests.support.gear_scenes import RING, changed
 from tests.support.paths import SCENES
 
 COARSE = {"flank_element_mm": 2.0, "estimate": False, "tangents": False}
@@ -63,6 +63,39 @@ def test_a_contact_ratio_below_1_is_refused_before_elements_are_solved() -> None
     assert caught.value.expected.startswith("a contact ratio of at least 1 ")
     assert float(caught.value.found.split()[0]) < 1.0
     assert set(stages) == {"bodies"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "expected", "found"),
+    [
+        (
+            {"body_1__bore_diameter_mm": 57.0},
+            "body_1.bore_diameter_mm",
+            'a held rim of at least 0.5 tooth heights, or bore = "torque"',
+            "0.17 tooth heights (1.88 mm)",
+        ),
+        (
+            {"body_2": {**RING, "outer_diameter_mm": 293.0}, "pair__center_distance_mm": 99.0},
+            "body_2.outer_diameter_mm",
+            'a held rim of at least 1.75 modules, or rim = "torque"',
+            "1.33 modules (6 mm)",
+        ),
+    ],
+    ids=["gear", "ring"],
+)
+def test_a_thin_rim_that_is_held_is_refused_before_elements_are_solved(
+    changes: dict[str, Any], key: str, expected: str, found: str
+) -> None:
+    """Regression: a rim of half a millimetre passed, and was stiffer than a solid gear."""
+    scene = gears(**changes)
+    error = refused(scene)
+    assert (error.key, error.found) == (key, found)
+    assert error.expected.startswith(expected)
+    (broken,) = premises.broken_by_geometry(build_bodies(scene))
+    assert broken.premise.name == "rim"
+    support = "bore" if key.startswith("body_1") else "rim"
+    free = scene.replace({f"{key.partition('.')[0]}.{support}": "torque"})
+    assert not list(premises.broken_by_geometry(build_bodies(free)))
 
 
 def test_teeth_that_give_way_too_far_are_refused_and_the_torque_is_named() -> None:

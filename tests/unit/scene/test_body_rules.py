@@ -166,6 +166,31 @@ OTHER_STARTS = "(or tip_relief_start_roll_angle_deg, tip_relief_length_mm, tip_r
             "'ring', which has no bore_diameter_mm",
         ),
         (
+            {"body_1__bore": "free"},
+            "body_1.bore",
+            "'held' or 'torque'",
+            "'free'",
+        ),
+        (
+            {
+                "body_1__bore": "torque",
+                "body_1__shaft": {
+                    **{"diameters_mm": [30.0], "lengths_mm": [100.0], "gear_position_mm": 50.0},
+                    **{"bearing_positions_mm": [0.0, 100.0], "under_teeth": "flexible"},
+                    **{"radial_stiffness_N_per_um": [200.0, 200.0], "torque_end": "I"},
+                },
+            },
+            "body_1.bore",
+            "'held', since body_1.shaft.under_teeth is 'flexible': the bore follows the shaft",
+            "'torque'",
+        ),
+        (
+            {"body_2": {**RING, "rim": "torque"}, "effects__body": "tooth"},
+            "effects.body",
+            "'whole', since body_2.rim is 'torque': a segment is held at its cuts",
+            "'tooth'",
+        ),
+        (
             {"body_2": {**RING, "pitch_errors_um": [1]}},
             "body_2.pitch_errors_um",
             "one entry per tooth: 60, as in body_2.teeth",

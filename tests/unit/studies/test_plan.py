@@ -43,6 +43,7 @@ EXACT = (
     "fe_solutions",
     "unit_loads_normal",
     "unit_loads_tangential",
+    "bore_reactions",
     "cut_columns",
     "stress_recoveries",
 )

@@ -49,7 +49,7 @@ SAME_VOLUME = 1e-4
 def scene_of(helix_deg: float = 0.0, **changes: dict[str, Any]) -> fl.Scene:
     """A pair of small gears with few elements; changes of tables."""
     gear = {"kind": "gear", "teeth": 12, "module_mm": 4, "profile_shift": 0.3,
-            "tip_diameter_mm": 59 if helix_deg else 57.5, "bore_diameter_mm": 32}  # fmt: skip
+            "tip_diameter_mm": 59 if helix_deg else 57.5, "bore_diameter_mm": 30}  # fmt: skip
     tree: dict[str, dict[str, Any]] = {
         "body_1": dict(gear),
         "body_2": dict(gear),
@@ -317,7 +317,7 @@ def test_held_nodes_of_body_1_turn_as_one(skewed: Deck) -> None:
     ]
     turning = [row for row in equations if row[3] == f"{axis}"]
     assert len(turning) == 2 * part.held.size
-    np.testing.assert_allclose(np.hypot(*part.nodes[part.held, :2].T), 16.0, rtol=SOLVER)
+    np.testing.assert_allclose(np.hypot(*part.nodes[part.held, :2].T), 15.0, rtol=SOLVER)
     for node, component, one, _, first, arm in turning:
         x, y, _ = part.nodes[int(node) - 1]
         assert (first, float(one)) == ("1", 1.0)
@@ -404,7 +404,7 @@ def test_dimension_is_that_of_both_programs(
     monkeypatch.setattr(comparison, "SOLID_ELEMENTS", 0.2)
     plane = tmp_path / "pair.toml"
     body = "kind = 'gear'\nteeth = 12\nmodule_mm = 4\nprofile_shift = 0.3\ntip_diameter_mm = 57.5\n"
-    body += "bore_diameter_mm = 32\n"
+    body += "bore_diameter_mm = 30\n"
     plane.write_text(
         f"[body_1]\n{body}[body_2]\n{body}[pair]\ncenter_distance_mm = 50.3\nface_width_mm = 10\n"
         "[load]\ntorque_Nm = 150\n[positions]\ncount = 1\n"

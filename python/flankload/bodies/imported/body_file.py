@@ -51,13 +51,13 @@ def _named_edges(mesh: SectorMesh | WholeMesh) -> dict[str, Numbers]:
             chosen &= np.isin(boundary[:, 2], touching)
         return boundary[chosen]
 
-    bore = {"BORE": among(mesh.fixed_nodes)}
     if isinstance(mesh, WholeMesh):
-        return {**{f"FLANK_{flank.tooth}": flank.flank_edges for flank in mesh.flanks}, **bore}
-    left, right = mesh.left_nodes, mesh.right_nodes
+        flanks = {f"FLANK_{flank.tooth}": flank.flank_edges for flank in mesh.flanks}
+        return {**flanks, "BORE": among(mesh.fixed_nodes)}
+    left, right, bore = mesh.left_nodes, mesh.right_nodes, mesh.bore_nodes
     return {
         "FLANK": mesh.flank_edges,
-        **bore,
-        "CUT_LEFT": among(np.union1d(left, mesh.fixed_nodes), left),
-        "CUT_RIGHT": among(np.union1d(right, mesh.fixed_nodes), right),
+        "BORE": among(bore),
+        "CUT_LEFT": among(np.union1d(left, bore), left),
+        "CUT_RIGHT": among(np.union1d(right, bore), right),
     }

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from msgspec import structs
 
 from flankload.bodies.body import Body, Material, checked_pitch_errors
+from flankload.bodies.involute.free_bore import with_free_bore
 from flankload.bodies.involute.region_mesh import with_regions
 from flankload.bodies.involute.ring_mesh import ring_mesh
 from flankload.bodies.involute.sector_mesh import sector_mesh
@@ -30,7 +31,7 @@ def build_involute_body(
     flank_nodes_mm: float | None = None,
     regions: tuple[str, ...] = (),
 ) -> Body:
-    """Build a body with involute teeth, fixed at its bore or at the outside of its rim.
+    """Build a body with involute teeth, held at its bore or at the outside of its rim.
 
     The reference radius of a spline is its pitch radius, that of other bodies the base radius.
     Parameters as of `build_body`; `regions`: those of a gear below its rim, outermost first.
@@ -48,6 +49,8 @@ def build_involute_body(
         profile, rim_radius, mesh = _inward(spec, key, lengths)
     else:
         profile, rim_radius, mesh = _outward(spec, key, lengths, regions)
+    if mesh is not None and spec.has_free_bore:
+        mesh = with_free_bore(mesh)
     involute = profile.involute
     return Body(
         kind=spec.kind,

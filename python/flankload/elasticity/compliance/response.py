@@ -9,14 +9,15 @@ import numpy as np
 
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.finite_elements import degrees_of, factored
+from flankload.elasticity.mean_motion import plane_reactions
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     close_ring,
     condense,
-    segment_response,
     tooth_response,
     uniform_response,
 )
+from flankload.elasticity.sector_row import segment_response
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -153,7 +154,10 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
     else:
         if job.forces is not None:
             readings["fe_load_cases_growth"] = job.forces
-        sector, free = condense(job.matrix, loads, mesh, readings, log)
+        reactions = None
+        if mesh.has_free_bore:
+            reactions = plane_reactions(mesh, job.body.material.young_modulus_MPa)
+        sector, free = condense(job.matrix, loads, mesh, readings, log, reactions)
         if job.forces is not None:
             by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
         if sectors is None:

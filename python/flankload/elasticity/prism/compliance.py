@@ -40,6 +40,7 @@ from flankload.elasticity.compliance.contributions import (
 )
 from flankload.elasticity.compliance.job import JobOptions, flank_compliance
 from flankload.elasticity.job_log import JobLog
+from flankload.elasticity.mean_motion import prism_reactions
 from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
@@ -56,9 +57,9 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootFillets
+    from flankload.elasticity.condensed_sector import CondensedSector
     from flankload.elasticity.prism.flank_surface import FlankSurface
     from flankload.elasticity.prism.prism import Prism
-    from flankload.elasticity.sector_closure import CondensedSector
 
 
 def prism_compliance(
@@ -74,9 +75,10 @@ def prism_compliance(
     """Compliance of a body's flanks in three dimensions.
 
     The fixed nodes of the sector are fixed over their whole width or follow a shaft
-    (`flexible_bore`). The degree of the pressure modes along s should be at most half the number of
-    flank elements; those of a tip are added. With friction, as many loads along the profile are
-    solved. `fillets`: points for root stress; `estimate`: error estimate of the plane elements.
+    (`flexible_bore`); of a free bore the mean motion is held (`mean_motion`). The degree of the
+    pressure modes along s should be at most half the number of flank elements; those of a tip are
+    added. With friction, as many loads along the profile are solved. `fillets`: points for root
+    stress; `estimate`: error estimate of the plane elements.
 
     Returns
     -------
@@ -94,11 +96,11 @@ def prism_compliance(
     if body.rigid or body.mesh is None:
         return no_compliance(body)
     log, modes = JobLog(account), n_modes if body.tip is None else with_tip(n_modes)
-    (response, *_), of_roots = _ring_responses(
+    response, of_roots = _ring_responses(
         body, prism, modes, log, friction=friction, fillets=fillets
     )
     surface = flank_surface(body, prism)
-    (found,) = _compliances(body, prism, surface, [response], log, friction=friction)
+    found = _compliance(body, prism, surface, response, log, friction=friction)
     fe_error = None
     if estimate:
         options = JobOptions(n_modes=n_modes, plane="strain", friction=friction, estimate=True)
@@ -108,19 +110,21 @@ def prism_compliance(
     return replace(found, root=root, fe_error=fe_error, job=job)
 
 
-def _compliances(
+def _compliance(
     body: Body,
     prism: Prism,
     surface: FlankSurface,
-    responses: list[Floats],
+    response: Floats,
     log: JobLog,
     *,
     friction: bool,
-) -> list[BodyCompliance]:
-    """Compliances from responses (z, p, p) of one body, without roots and error estimates."""
-    near, columns = _near_field(body, surface, friction=friction), responses[0].shape[1]
+) -> BodyCompliance:
+    """Compliance from the response (z, p, p) of a body, without roots and error estimate."""
+    near, columns = _near_field(body, surface, friction=friction), response.shape[1]
     p = columns // 2 if friction else columns
-    coefficients, along_near = _smooth_coefficients(responses, surface, near, p, prism.load_degree)
+    smooth, asymmetry, along_near = _smooth_coefficients(
+        response, surface, near, p, prism.load_degree
+    )
     unknowns = prism_unknowns(body, prism.degree)
     log.account.count(fe_unknowns=unknowns, fe_solutions=columns)
     log.count_loads(columns, friction=friction)
@@ -128,17 +132,14 @@ def _compliances(
     axial = AxialModes(
         prism.range_mm, prism.load_degree, prism.twist, surface.cos_base_helix, surface.end
     )
-    return [
-        BodyCompliance(
-            smooth=np.ascontiguousarray(response[:, :p, :p]),
-            near=near,
-            modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
-            tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
-            along_near=along_near,
-            job=log.cost(asymmetry, unknowns),
-        )
-        for response, asymmetry in coefficients
-    ]
+    return BodyCompliance(
+        smooth=np.ascontiguousarray(smooth[:, :p, :p]),
+        near=near,
+        modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
+        tangential=np.ascontiguousarray(smooth[:, :p, p:]) if friction else None,
+        along_near=along_near,
+        job=log.cost(asymmetry, unknowns),
+    )
 
 
 def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearField:
@@ -152,31 +153,25 @@ def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearFie
 
 
 def _smooth_coefficients(
-    responses: list[Floats], surface: FlankSurface, near: NearField, p: int, degree_z: int
-) -> tuple[list[tuple[Floats, float]], Floats | None]:
-    """Readings (z, r, r), which change, as mode coefficients without the near field; asymmetries.
+    response: Floats, surface: FlankSurface, near: NearField, p: int, degree_z: int
+) -> tuple[Floats, float, Floats | None]:
+    """Readings (z, r, r), which change, as mode coefficients without the near field; asymmetry.
 
     Also the near field of loads along the profile as mode coefficients (p, p), with friction. The p
     columns of normal loads are followed, with friction, by as many along the profile.
     """
-    n_modes, count = p // (degree_z + 1), responses[0].shape[1]
-    potential = projected_potential(surface, n_modes, degree_z)
-    for response in responses:
-        response[0, :p, :p] -= 0.5 * near.kernel * potential
+    n_modes, count = p // (degree_z + 1), response.shape[1]
+    response[0, :p, :p] -= 0.5 * near.kernel * projected_potential(surface, n_modes, degree_z)
     if count > p:
         tangential = projected_tangential(
             surface, n_modes, degree_z, kernel=near.kernel, jump=near.jump
         )
-        for response in responses:
-            response[0, :p, p:] -= tangential
-            response[0, p:, :p] -= tangential.T
+        response[0, :p, p:] -= tangential
+        response[0, p:, :p] -= tangential.T
     inverse = _to_coefficients(surface, n_modes, degree_z, friction=count > p)
     along_near = inverse[:p, :p] @ tangential @ inverse[:p, :p] if count > p else None
-    teeth = len(responses[0])
-    across = -np.arange(teeth) % teeth
-    return [
-        made_symmetric(inverse @ response @ inverse, across) for response in responses
-    ], along_near
+    across = -np.arange(len(response)) % len(response)
+    return *made_symmetric(inverse @ response @ inverse, across), along_near
 
 
 def _to_coefficients(
@@ -227,11 +222,8 @@ def _ring_responses(
     *,
     friction: bool,
     fillets: RootFillets | None,
-) -> tuple[list[Floats], Floats]:
-    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p).
-
-    On a shaft, the readings with a held bore follow.
-    """
+) -> tuple[Floats, Floats]:
+    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p)."""
     mesh = _sector_of(body)
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
@@ -243,9 +235,14 @@ def _ring_responses(
     ]
     loads = _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree))
     count, bore = loads.shape[2], None
-    if prism.shaft is not None:
+    reactions = np.zeros((*loads.shape[:2], 0))
+    if mesh.has_free_bore:
+        modulus = body.material.young_modulus_MPa
+        reactions = prism_reactions(mesh, functions, prism.twist, modulus)
+    elif prism.shaft is not None:
         bore = FlexibleBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
-        loads = np.concatenate([loads, bore.columns], axis=2)
+    columns = reactions if bore is None else bore.columns
+    loads = np.concatenate([loads, columns], axis=2)
     recovery = None if fillets is None else Recovery(fillets.on_elements.nodes)
     log.end_step("assembly")
     # most fronts are too small for several threads
@@ -268,13 +265,11 @@ def _ring_responses(
             sector = _with_reading(sector, stress, by_loads, by_cuts)
             log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
             log.end_step("solution")
-        if bore is None:
-            responses = [close_ring(sector, mesh.teeth)]
-        else:
-            held = bore.held_response(sector)
-            responses = [bore.close_ring(sector, held), held]
+        if reactions.size:
+            sector = sector.with_reactions(reactions.shape[2])
+        response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
     log.end_step("ring")
-    return [response[:, :count] for response in responses], responses[0][:, count:]
+    return response[:, :count], response[:, count:]
 
 
 def _with_reading(

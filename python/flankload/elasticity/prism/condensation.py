@@ -24,8 +24,8 @@ from scipy.linalg.blas import dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
 from flankload.cost import Account
+from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.prism.dissection import Front, dissect
-from flankload.elasticity.sector_closure import CondensedSector
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -28,8 +28,9 @@ import numpy as np
 from scipy.linalg import null_space
 
 from flankload.base.gauss import leggauss
+from flankload.elasticity.condensed_sector import AXIAL_MOTIONS, LATERAL_MOTIONS
 from flankload.elasticity.finite_elements import block_basis
-from flankload.elasticity.sector_closure import close_ring, turned_cuts
+from flankload.elasticity.sector_closure import Harmonics, close_ring
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,9 +38,9 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Complexes, Floats
     from flankload.bodies.body import SectorMesh
     from flankload.bodies.shaft import FlexibleShaft
+    from flankload.elasticity.condensed_sector import CondensedSector
     from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
     from flankload.elasticity.prism.section_stiffness import SectionStiffness
-    from flankload.elasticity.sector_closure import CondensedSector
 
 #: Motions of a section: displacements and rotations about x, y, z.
 MOTIONS = 6
@@ -107,25 +108,7 @@ class FlexibleBore:
         beam = beam_stiffness(shaft, basis, degree, twist)
         return cls(shaft, mesh.teeth, columns, stiffness, beam, np.concatenate(parts))
 
-    def held_response(self, sector: CondensedSector) -> Floats:
-        """Response of all teeth of a closed ring to the loads on tooth 0 while the bore is held.
-
-        Sector and result as in `close_ring`.
-        """
-        count = self._flank_loads(sector)
-        first, *others = sector.local
-        flanks = replace(
-            sector,
-            local=(first[:count, :count], *(part[:, :count] for part in others)),
-            carried=(sector.carried[0][:, :count], *sector.carried[1:]),
-        )
-        return close_ring(flanks, self.teeth)
-
-    def _flank_loads(self, sector: CondensedSector) -> int:
-        """Number of loads on the flanks: those before `columns`."""
-        return sector.local[0].shape[1] - len(self.stiffness) - len(self.ends)
-
-    def close_ring(self, sector: CondensedSector, held: Floats | None = None) -> Floats:
+    def close_ring(self, sector: CondensedSector) -> Floats:
         """Response of all teeth of a closed ring to the loads on tooth 0.
 
         In harmonic k, with the response H to all loads with a fixed bore, forces s of the shaft
@@ -142,24 +125,21 @@ class FlexibleBore:
         sector : CondensedSector
             Its loads are those of the flanks, then `columns`. Further kinds of readings read the
             displacements under all of them.
-        held : (z, r, p) array, optional
-            Of `held_response`.
 
         Returns
         -------
         (z, r, p) array
             As of `sector_closure.close_ring`.
         """
-        size, loads, count = (
-            len(self.stiffness),
-            sector.local[0].shape[1],
-            self._flank_loads(sector),
-        )
-        response = self.held_response(sector) if held is None else held.copy()
+        size, loads = len(self.stiffness), sector.local[0].shape[1]
+        count = loads - size - len(self.ends)
+        held = replace(sector.with_reactions(loads - count), mean=None)
+        response = close_ring(held, self.teeth)
         read = np.append(np.arange(count), np.arange(loads, loads - count + response.shape[1]))
         angles = 2.0 * np.pi * np.arange(self.teeth) / self.teeth
+        ring = Harmonics(sector, self.teeth)
         for k, weight in ((0, 1.0), (1, 2.0)):
-            moved = _harmonic(sector, self.teeth, k)
+            moved = _under_loads(sector, ring, k)
             motions, (springs, compliance) = self._motions(k), self._springs(k)
             free = np.zeros((size + len(self.ends), motions.shape[1] + springs.shape[1]), complex)
             free[:size, : motions.shape[1]] = motions
@@ -211,11 +191,6 @@ class FlexibleBore:
             place = np.eye(2)[:, [end]]
             forces.append(np.kron(place, np.hstack(parts)))
         return np.hstack(forces), np.array(compliances)
-
-
-#: Motions of harmonic 0 (u_z, t_z) and of harmonic 1 (lateral u and t).
-AXIAL_MOTIONS = np.eye(MOTIONS, dtype=complex)[:, [2, 5]]
-LATERAL_MOTIONS = np.sqrt(0.5) * np.kron(np.eye(2), np.array([[1.0], [1.0j], [0.0]]))
 
 
 def _motions(places: Floats, radius_mm: float) -> Floats:
@@ -330,12 +305,9 @@ def _round_spring(axial: float, force: float, mixed: float, moment: float) -> Fl
     return found
 
 
-def _harmonic(sector: CondensedSector, teeth: int, k: int) -> Complexes:
+def _under_loads(sector: CondensedSector, ring: Harmonics, k: int) -> Complexes:
     """All readings of harmonic k under all loads, with a fixed bore."""
-    pitch = 2.0 * np.pi / teeth
-    (ll, lr, rl, rr), carried = turned_cuts(sector, pitch)
-    shift = np.exp(1j * pitch * k)
-    loads = [left + right / shift for left, right in carried]
-    found = np.linalg.solve(ll + rr + lr * shift + rl / shift, loads[0])
+    loads = ring.loads(k)
+    found = np.linalg.solve(ring.system(k), loads[0])
     kinds = zip(sector.local, loads, strict=True)
     return np.concatenate([local + read.conj().T @ found for local, read in kinds])

@@ -15,15 +15,17 @@ import numpy as np
 from flankload.base.blas_threads import one_blas_thread
 from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
+from flankload.elasticity.condensed_sector import CondensedSector, MeanMotion
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.loaded_body import node_widths, on_edges, ring_of
+from flankload.elasticity.mean_motion import prism_reactions
 from flankload.elasticity.near_field import loaded_edges
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.recovery import Recovery
 from flankload.elasticity.prism.section_stiffness import section_stiffness
-from flankload.elasticity.sector_closure import CondensedSector, ring_displacements
+from flankload.elasticity.sector_closure import ring_displacements
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
@@ -100,6 +102,9 @@ class LoadedPrism:
         Condensed to its cuts.
     recovery : Recovery
         All fronts.
+    reactions : (N, 3 (p + 1), n) arrays
+        Unit reactions on a bore whose mean motion is held, n = 0 for a fixed one, and the
+        displacements under them with fixed cuts.
     """
 
     body: Body
@@ -110,6 +115,7 @@ class LoadedPrism:
     parts: tuple[SolidPart, ...]
     sector: CondensedSector
     recovery: Recovery
+    reactions: tuple[Floats, Floats]
 
     @property
     def mesh(self) -> SectorMesh:
@@ -161,7 +167,11 @@ class LoadedPrism:
     def solved(self, forces: Floats) -> Floats:
         """Displacements of all sectors under nodal forces (N, 3 (p + 1), z), in their frames."""
         kept, carried = self.recovery.reduced(forces)
-        on_cuts = ring_displacements(replace(self.sector, carried=(carried,)), self.mesh.teeth)
+        columns, moved = self.reactions
+        motions = np.einsum("num,nuz->mz", moved, forces)
+        on_cuts, factors = ring_displacements(self.sector, self.mesh.teeth, carried, motions)
+        if factors.size:
+            kept, _ = self.recovery.reduced(forces + columns @ factors)
         return self.recovery.displacements(kept, on_cuts, len(self.mesh.nodes))
 
     def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
@@ -215,11 +225,21 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
             twisted=prism.twist != 0.0,
             recovery=recovery,
         )
+    columns = moved = np.zeros((len(mesh.nodes), COMPONENTS * axial.count, 0))
+    if mesh.has_free_bore:
+        modulus = body.material.young_modulus_MPa
+        columns = prism_reactions(mesh, functions, prism.twist, modulus)
+        kept, carried = recovery.reduced(columns)
+        moved = recovery.displacements(kept, np.zeros_like(carried), len(mesh.nodes))
+        own = np.einsum("num,nuk->mk", columns, moved)
+        sector = replace(sector, mean=MeanMotion(own, (), carried))
     nodes, whole, numbers = ring_of(mesh)
     basis_of = np.empty(len(nodes), dtype=np.int64)
     bases, basis_of[numbers] = functions.of_nodes(np.arange(len(mesh.nodes)))
     parts = _parts(whole, regions, bases)
-    return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, sector, recovery)
+    return LoadedPrism(
+        body, prism, nodes, numbers, basis_of, parts, sector, recovery, (columns, moved)
+    )
 
 
 def _parts(

@@ -14,7 +14,7 @@ import numpy as np
 
 from flankload.base.rounding import round_down
 from flankload.elasticity.finite_elements import MANY_KEPT
-from flankload.elasticity.sector_closure import row_response
+from flankload.elasticity.sector_row import row_response
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, STRAND, half_land, mesh_strip
 from flankload.mechanisms.belt.columns import Flanks
 from flankload.mechanisms.belt.strip import Kind, Piece, solve_piece

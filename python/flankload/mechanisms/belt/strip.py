@@ -21,7 +21,7 @@ import numpy as np
 from scipy.sparse import csc_array, hstack
 
 from flankload.elasticity.finite_elements import assembled, condensed, degrees_of, stiffness
-from flankload.elasticity.sector_closure import RowCell
+from flankload.elasticity.sector_row import RowCell
 from flankload.mechanisms.belt.columns import Flanks, flank_columns, land_columns
 
 if TYPE_CHECKING:

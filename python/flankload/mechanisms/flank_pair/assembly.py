@@ -21,6 +21,7 @@ from flankload.elasticity.compliance import no_compliance
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.mistakes import explained
 from flankload.mechanisms.flank_pair.positions import positions_of
+from flankload.mechanisms.flank_pair.rims import rim_notes
 from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.reuse import made_once
 from flankload.pairing.body_pair import BodyPair
@@ -208,6 +209,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *question_notes(scene),
         *(f"body_1: {note}" for note in pair.body_1.notes),
         *(f"body_2: {note}" for note in pair.body_2.notes),
+        *rim_notes(pair.bodies),
         *spacing_notes(pair.bodies, scene.torques_Nmm, scene.pair.face_width_mm),
         *pair.pairing.warnings,
         *([] if slices is None else tilt_notes(pair.pairing.fit, slices)),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.involute import involute_function
-from flankload.bodies.body import Roller
+from flankload.bodies.body import Roller, SectorMesh
 from flankload.bodies.profile.tooth_thickness import measurements
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.mechanisms.data_sheet import DataSheet, PathPoint, SheetRow
@@ -97,8 +97,10 @@ def _rows_of_body(body: Body, scene: Scene) -> Iterator[SheetRow]:
     yield from _rows_along_axis(body)
     if not body.rigid:
         inside = body.bore_radius_mm < np.hypot(*body.outline.T).max()
-        around = "diameter of the bore, held" if inside else "outer diameter, held"
-        yield SheetRow(around, "", _mm(2 * body.bore_radius_mm))
+        around = "diameter of the bore" if inside else "outer diameter"
+        free = isinstance(body.mesh, SectorMesh) and body.mesh.has_free_bore
+        held = "held in the mean" if free else "held"
+        yield SheetRow(f"{around}, {held}", "", _mm(2 * body.bore_radius_mm))
     if body.imported is not None:
         yield SheetRow("compliance", "", body.imported.description)
     if body.rigid:

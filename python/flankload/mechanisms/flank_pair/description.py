@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies import WholeMesh
+from flankload.bodies import SectorMesh, WholeMesh
 from flankload.bodies.profile.tooth_thickness import measurements
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.premises import broken_by_geometry
@@ -132,11 +132,14 @@ def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
     low, high = (float(np.hypot(*body.curve.point([s])[0])) for s in body.mode_range_mm)
     whole = isinstance(mesh, WholeMesh)
     kinds = ", ".join(f"{len(data)} {kind}" for kind, data in mesh.cells)
+    free = isinstance(mesh, SectorMesh) and mesh.has_free_bore
+    held = mesh.bore_nodes if isinstance(mesh, SectorMesh) else mesh.fixed_nodes
     rows = [
         ("mesh of the whole body" if whole else "mesh of a sector",
          f"{len(mesh.nodes)} nodes, {kinds}"),
         *quality_rows(mesh.nodes, mesh.cells),
-        ("held", f"{mesh.fixed_nodes.size} nodes, mean radius {body.bore_radius_mm:.4f} mm"),
+        ("held in the mean" if free else "held",
+         f"{held.size} nodes, mean radius {body.bore_radius_mm:.4f} mm"),
         ("flank", f"{mesh.flank_elements} elements"
          + ("" if body.curve.closed else f", radii {low:.4f} to {high:.4f} mm")),
     ]  # fmt: skip

@@ -16,6 +16,7 @@ from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance.tip_force import has_turned_forces
+from flankload.elasticity.condensed_sector import IN_PLANE
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
 from flankload.elasticity.sector_closure import sector_unknowns
@@ -36,6 +37,7 @@ WORD = 8
 #: Further counters of the elements of a body.
 FURTHER = (
     "fe_load_cases_growth",
+    "bore_reactions",
     "cut_columns",
     "stress_recoveries",
     "coast_readings",
@@ -163,6 +165,7 @@ def _sector(
         normal,
         tangential,
         fe_load_cases_growth=growth,
+        bore_reactions=IN_PLANE.size if mesh.has_free_bore else 0,
         cut_columns=0 if many else cuts,
         stress_recoveries=round(work.recoveries) * places,
         coast_readings=round(work.coast_readings) * modes,

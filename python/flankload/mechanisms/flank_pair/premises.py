@@ -12,6 +12,7 @@ import numpy as np
 
 from flankload.base.rounding import TIE
 from flankload.errors import ContactError, NoContactState
+from flankload.mechanisms.flank_pair.rims import held_rim
 from flankload.mechanisms.premises import (
     Broken,
     Premise,
@@ -62,6 +63,12 @@ PRESSURE = Premise(
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
     """Premises that are violated at any load."""
+    for z, body in enumerate(pair.bodies, start=1):
+        rim = held_rim(body)
+        if rim is not None and rim.ratio < rim.least:
+            wanted = f'a held rim of at least {rim.least:g} {rim.unit}, or {rim.support} = "torque"'
+            amount = f"{rim.ratio:.2f} {rim.unit} ({rim.thickness_mm:.3g} mm)"
+            yield Broken(Premise("rim", rim.least, wanted), f"body_{z}.{rim.held_at}", amount)
     mesh = pair.pairing.gear_geometry
     if mesh is None or mesh.total_contact_ratio >= CONTACT_RATIO.limit - TIE:
         return

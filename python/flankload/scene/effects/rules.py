@@ -116,6 +116,9 @@ def _check_extent(asked: SceneFile) -> None:
             why = f"{name}.kind is 'compliance': its file determines the elastic part of the body"
         elif not spec.has_teeth:
             why = f"{name}.kind is '{spec.kind}', which has one flank"
+        elif spec.has_free_bore:
+            own = "rim" if spec.kind == "ring" else "bore"
+            why = f"{name}.{own} is 'torque': a segment is held at its cuts"
         elif isinstance(spec, MeshBody) and spec.flank_sets is not None:
             why = f"{name}.flank_sets names the flanks of a whole body, not of one of its sectors"
         elif segment_teeth is not None and segment_teeth > spec.number_of_teeth:

@@ -14,6 +14,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.studies.verification.bore_equations import (
+    MEAN_MOTIONS,
+    further_nodes,
+    mean_motion_equations,
+)
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -64,7 +70,8 @@ class Part:
     """One body of a deck, at its place: nodes (N, 2) or (N, 3) in mm, cells (m, 6) or (m, 15).
 
     `flanks` are arrays (k, 2) of element and side (1 to 3), or face (3 to 5), of the surfaces of
-    each pair, layer by layer. Solid bodies have ties.
+    each pair, layer by layer; `axis_mm` is x of the axis of the body. Solid bodies have ties. Where
+    only the mean motion of the held nodes is held, they have weights (h,), mm.
     """
 
     nodes: Floats
@@ -72,20 +79,20 @@ class Part:
     held: Numbers
     flanks: tuple[Numbers, ...]
     material: Material
+    axis_mm: float = 0.0
     ties: Ties | None = None
+    weights: Floats | None = None
 
 
 @dataclass(frozen=True)
 class DeckFriction:
     """Friction of a deck: flanks slide to the position so that friction acts as in motion.
 
-    Each pair of the deck has a coefficient; `center_distance_mm` is the distance to the axis of
-    body 2, `back_rad` its rotation from the requested position to the previous one, at which
-    sliding begins.
+    Each pair of the deck has a coefficient; `back_rad` is the rotation of body 2 from the requested
+    position to the previous one, at which sliding begins.
     """
 
     coefficients: tuple[float, ...]
-    center_distance_mm: float
     back_rad: float
 
 
@@ -128,12 +135,18 @@ class Deck:
         found = 1
         for part in self.parts:
             tied = 0 if part.ties is None else part.ties.nodes.size
-            found += part.nodes.shape[1] * (len(part.nodes) - part.held.size - tied)
+            found += part.nodes.shape[1] * (len(part.nodes) - tied)
+            held = part.nodes.shape[1] * part.held.size
+            found -= held if part.weights is None else MEAN_MOTIONS
         return found
 
     def axis_node(self, body: int) -> int:
         """Number of the node whose first component is the rotation of body 1 or 2."""
         return self.node_count + body
+
+    def first_sum(self, body: int) -> int:
+        """Number of the first further node of the mean motion of a body."""
+        return self.axis_node(3) + (further_nodes(self.parts[0].held.size) if body == 2 else 0)
 
     def surface(self, site: int, layer: int, body: int) -> str:
         """Name of the surface of a flank in a layer."""
@@ -191,12 +204,14 @@ def _lines(deck: Deck) -> Iterator[str]:
         yield from _ties(part, first_node)
         first_node += len(part.nodes)
         first_element += len(part.cells)
-    yield from _axis(deck, 1, 0.0)
-    if deck.friction is not None:
-        yield from _axis(deck, 2, deck.friction.center_distance_mm)
+    by_axis = deck.friction is not None or deck.parts[1].weights is not None
+    yield from _axis(deck, 1)
+    if by_axis:
+        yield from _axis(deck, 2)
     yield from _contact(deck)
     if deck.friction is None:
-        yield from ("*BOUNDARY", *(("HELD_2, 1, 2",) if deck.plane else SOLID_SUPPORTS))
+        held = "AXIS_2, 1, 1" if by_axis else "HELD_2, 1, 2"
+        yield from ("*BOUNDARY", *((held,) if deck.plane else SOLID_SUPPORTS))
         yield from _step(deck)
     else:
         yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.friction.back_rad)}")
@@ -251,16 +266,26 @@ def _equation(terms: list[tuple[int, int, float]]) -> Iterator[str]:
         yield ", ".join(f"{node}, {c}, {_number(f)}" for node, c, f in terms[k : k + 4])
 
 
-def _axis(deck: Deck, body: int, center_mm: float) -> Iterator[str]:
-    """Let the fixed nodes of a body rotate about its axis: u = (-y, x) times rotation."""
+def _axis(deck: Deck, body: int) -> Iterator[str]:
+    """Let the held nodes of a body rotate about its axis: u = (-y, x) times rotation."""
     axis, part = deck.axis_node(body), deck.parts[body - 1]
     first_node = 1 + sum(len(before.nodes) for before in deck.parts[: body - 1])
     yield f"*NODE, NSET=AXIS_{body}"
-    yield f"{axis}, {_number(center_mm)}, 0., 0."
-    for node in part.held.tolist():
-        x, y = part.nodes[node, :2].tolist()
-        yield from _equation([(first_node + node, 1, 1.0), (axis, 1, y)])
-        yield from _equation([(first_node + node, 2, 1.0), (axis, 1, center_mm - x)])
+    yield f"{axis}, {_number(part.axis_mm)}, 0., 0."
+    x, y = part.nodes[part.held, :2].T
+    if part.weights is not None:
+        places, first_sum = (x - part.axis_mm, y), deck.first_sum(body)
+        yield "*NODE"
+        for number in range(first_sum, first_sum + further_nodes(part.held.size)):
+            yield f"{number}, {_number(part.axis_mm)}, 0., 0."
+        for terms in mean_motion_equations(
+            first_node + part.held, places, part.weights, axis, first_sum
+        ):
+            yield from _equation(terms)
+    else:
+        for node, x_held, y_held in zip((first_node + part.held).tolist(), x, y, strict=True):
+            yield from _equation([(node, 1, 1.0), (axis, 1, y_held)])
+            yield from _equation([(node, 2, 1.0), (axis, 1, part.axis_mm - x_held)])
     yield "*BOUNDARY"
     yield f"AXIS_{body}, 2, 3"
 

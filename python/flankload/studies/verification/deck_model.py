@@ -9,6 +9,7 @@ import numpy as np
 from msgspec import structs
 
 from flankload.base.rotation import turned
+from flankload.bodies import SectorMesh
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies
 from flankload.scene.discretization import choose_discretization
@@ -19,6 +20,7 @@ from flankload.studies.verification.deck import Deck, DeckFriction, Part
 from flankload.studies.verification.triangles import (
     border_owners,
     held_nodes,
+    held_weights,
     moved,
     quadratic,
     refined,
@@ -85,6 +87,9 @@ def _refusals(scene: Scene) -> Iterator[tuple[str, str, str]]:
             if spec.kind not in ("gear", "mesh"):
                 external = "'gear' or 'mesh', since solid decks have external teeth"
                 yield f"{key}.kind", external, shown(spec.kind)
+            if spec.has_free_bore:
+                own = "rim" if spec.kind == "ring" else "bore"
+                yield f"{key}.{own}", f"'held', since {SHAFT}", "'torque'"
             for name, reason in NOT_SOLID.items():
                 if value := getattr(spec, name, None):
                     found = "a table" if name == "shaft" else shown(value)
@@ -171,7 +176,6 @@ def friction_of_deck(
     rows = np.searchsorted(pairing.sites, [place.site for place in places])
     return DeckFriction(
         coefficients=tuple(friction.coefficients[0, rows].tolist()),
-        center_distance_mm=pairing.center_distance_mm,
         back_rad=friction.sense * pairing.ratio * SLIDING_RAD,
     )
 
@@ -256,4 +260,7 @@ def _part(
     nodes, cells, middles = quadratic(mesh)
     faces = border_owners(mesh) + np.array([0, 1])
     sides = tuple(faces[mesh.border.flank == k] for k in range(len(flanks)))
-    return Part(nodes, cells, held_nodes(mesh, middles), sides, body.material)
+    held, weights = held_nodes(mesh, middles), None
+    if isinstance(body.mesh, SectorMesh) and body.mesh.has_free_bore:
+        weights = held_weights(mesh, middles)
+    return Part(nodes, cells, held, sides, body.material, axis_mm=shift, weights=weights)

@@ -77,7 +77,7 @@ def whole_body(body: Body, flanks: tuple[tuple[int, float], ...]) -> Triangles:
     assert mesh is not None
     if isinstance(mesh, SectorMesh):
         nodes, cells, numbers = ring_of(mesh)
-        held = numbers[:, mesh.fixed_nodes]
+        held = numbers[:, mesh.bore_nodes]
     else:
         nodes, cells, held = mesh.nodes.copy(), mesh.cells, mesh.fixed_nodes
     edges = boundary_edges(cells)
@@ -194,6 +194,17 @@ def held_nodes(mesh: Triangles, middles: Numbers) -> Numbers:
     """Fixed nodes, with the middle nodes (k,) of the border's sides."""
     held = mesh.border.held
     return np.unique(np.concatenate([mesh.border.ends[held].ravel(), middles[held]]))
+
+
+def held_weights(mesh: Triangles, middles: Numbers) -> Floats:
+    """Length (h,) of the held sides that belongs to each of `held_nodes`, by Simpson's rule, mm."""
+    sides = np.column_stack([mesh.border.ends, middles])[mesh.border.held]
+    first, last = (mesh.vertices[mesh.border.ends[mesh.border.held, k]] for k in (0, 1))
+    middle = mesh.border.middles[mesh.border.held]
+    length = np.linalg.norm(middle - first, axis=1) + np.linalg.norm(last - middle, axis=1)
+    nodes, place = np.unique(sides, return_inverse=True)
+    parts = length[:, None] * np.array([1.0, 1.0, 4.0]) / 6.0
+    return np.asarray(np.bincount(place.ravel(), parts.ravel(), minlength=nodes.size))
 
 
 def _arc_lengths(curve: FlankCurve, nodes: Floats, edges: Numbers, known: Floats) -> Floats:

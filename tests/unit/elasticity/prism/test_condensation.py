@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
+from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.finite_elements import INTEGRATION_DEGREE, stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism import section_stiffness as section_module
@@ -13,7 +14,7 @@ from flankload.elasticity.prism.axial_basis import AxialBasis
 from flankload.elasticity.prism.condensation import condense_prism
 from flankload.elasticity.prism.dissection import dissect
 from flankload.elasticity.prism.section_stiffness import section_stiffness
-from flankload.elasticity.sector_closure import CondensedSector, close_ring, condense
+from flankload.elasticity.sector_closure import close_ring, condense
 from tests.support.plain_prism import (
     full_prism_ring,
     product_loads,

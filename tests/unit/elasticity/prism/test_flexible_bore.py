@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from flankload.bodies.shaft import FlexibleShaft
+from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism.axial_basis import AxialBasis
 from flankload.elasticity.prism.condensation import condense_prism
 from flankload.elasticity.prism.flexible_bore import FlexibleBore, beam_stiffness
 from flankload.elasticity.prism.section_stiffness import SectionStiffness, section_stiffness
-from flankload.elasticity.sector_closure import CondensedSector, close_ring
+from flankload.elasticity.sector_closure import close_ring
 from tests.support.plain_prism import product_loads, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.tolerances import CLOSURE, SOLVER
@@ -169,19 +170,6 @@ def test_sectors_close_to_the_meshed_ring_on_its_shaft(twist: float, torque_end:
     found = _response(twist, carrying)
     wanted = _meshed_ring(MESH, AXIAL, twist, bore, loads)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
-
-
-def test_the_response_of_a_held_bore_comes_with_that_on_the_shaft() -> None:
-    """One condensation for both: the same as without the columns of the bore."""
-    carrying = shaft((-9.0, 6.0), 10.0)
-    bore, loads = _bore(0.02, carrying)
-    sector = _sector(0.02, np.concatenate([loads, bore.columns], axis=2))
-    held = bore.held_response(sector)
-    wanted = _response(0.02, None)
-    np.testing.assert_allclose(held, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
-    on_shaft = bore.close_ring(sector, held)
-    np.testing.assert_array_equal(on_shaft, bore.close_ring(sector))
-    assert np.abs(on_shaft - held).max() > 0.01 * np.abs(held).max()
 
 
 def test_other_readings_see_the_shaft() -> None:

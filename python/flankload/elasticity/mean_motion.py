@@ -1,0 +1,107 @@
+"""Reactions on a bore that is free but for its mean motion.
+
+Of the bore (or the outside of a ring), only the six mean motions of a rigid body are held: the
+means of its displacement u and of r x u over its surface, three of them in the plane. The reactions
+that do this are tractions in proportion to the same motions,
+
+    t = (E/R) (u_0 + t_0 x r/R),  R the radius of the bore,                                  (M2)
+
+which carry the torque evenly, and a force as a cosine around the bore, without a resistance to
+oval deformation (a distributing coupling). As readings, their nodal forces are the mean motions,
+which vanish: the rotation of the body is the mean rotation of its bore. The factor E/R makes the
+unknowns of (M1) lengths.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.base.gauss import leggauss
+from flankload.elasticity.condensed_sector import IN_PLANE
+
+if TYPE_CHECKING:
+    from flankload.base.arrays import Floats, Numbers
+    from flankload.bodies.body import SectorMesh
+    from flankload.elasticity.prism.axial_basis import AxialFunctions
+
+#: Gauss points along an edge, exact for straight ones with shape function and coordinate.
+EDGE_POINTS = 4
+#: Gauss points along the axis beyond the degree of the displacements: a helix turns the motions,
+#: whose sines and cosines these integrate to rounding errors.
+TURN_POINTS = 8
+
+
+def plane_reactions(mesh: SectorMesh, young_modulus_MPa: float) -> Floats:
+    """Nodal forces (2N, 3) of unit reactions u_x, u_y, t_z on the bore of a sector.
+
+    N/mm per mm of width.
+    """
+    nodes, moments = _moments(mesh)
+    radius = _radius(mesh)
+    fields = _motions(np.zeros(1), 0.0, radius)[0][:, :2, IN_PLANE]
+    found = np.zeros((len(mesh.nodes), 2, IN_PLANE.size))
+    found[nodes] = young_modulus_MPa / radius * np.einsum("kj,jcm->kcm", moments, fields)
+    return found.reshape(-1, IN_PLANE.size)
+
+
+def prism_reactions(
+    mesh: SectorMesh, functions: AxialFunctions, twist: float, young_modulus_MPa: float
+) -> Floats:
+    """Forces (N, 3 (p + 1), 6) of unit reactions on the bore of the sector of a prism, N/mm.
+
+    By node, axial function and component, in the frame that rotates with the helix; rotations are
+    those about the middle of the bore. `twist`: kappa, rad/mm.
+    """
+    nodes, moments = _moments(mesh)
+    radius = _radius(mesh)
+    bases, of_node = functions.of_nodes(nodes)
+    basis = bases[of_node[0]]  # the bore belongs to one region
+    low, high = basis.range_mm
+    points, weights = leggauss(functions.count + TURN_POINTS)
+    z, weights = 0.5 * (low + high + (high - low) * points), 0.5 * (high - low) * weights
+    fields = _motions(z, twist, radius, middle_mm=0.5 * (low + high))
+    along = np.einsum("ga,g,gjcm->ajcm", basis.values(z), weights, fields)
+    found = np.zeros((len(mesh.nodes), *along.shape[:1], *along.shape[2:]))
+    found[nodes] = young_modulus_MPa / radius * np.einsum("kj,ajcm->kacm", moments, along)
+    return found.reshape(len(found), -1, found.shape[-1])
+
+
+def _radius(mesh: SectorMesh) -> float:
+    return float(np.hypot(*mesh.nodes[mesh.bore_edges[0, 0]]))
+
+
+def _moments(mesh: SectorMesh) -> tuple[Numbers, Floats]:
+    """Nodes (k,) of the bore of a sector, and integrals (k, 3) of their functions by 1, x, y."""
+    x, weights = leggauss(EDGE_POINTS)
+    shapes = np.stack([0.5 * x * (x - 1.0), 0.5 * x * (x + 1.0), 1.0 - x**2], axis=1)
+    slopes = np.stack([x - 0.5, x + 0.5, -2.0 * x], axis=1)
+    ends = mesh.nodes[mesh.bore_edges]
+    places = np.einsum("gk,mkd->mgd", shapes, ends)
+    length = np.linalg.norm(np.einsum("gk,mkd->mgd", slopes, ends), axis=2) * weights
+    by = np.concatenate([np.ones((*length.shape, 1)), places], axis=2)
+    total = np.zeros((len(mesh.nodes), 3))
+    np.add.at(total, mesh.bore_edges, np.einsum("mg,gk,mgj->mkj", length, shapes, by))
+    nodes = np.unique(mesh.bore_edges)
+    return nodes, total[nodes]
+
+
+def _motions(z: Floats, twist: float, radius: float, middle_mm: float = 0.0) -> Floats:
+    """Motions (g, 3, 3, 6) of a rigid body at z (g,), in the frame that rotates with the helix.
+
+    By the factors of 1, x, y in that frame, component and motion; rotations over the radius.
+    """
+    cosine, sine, apart = np.cos(twist * z), np.sin(twist * z), z - middle_mm
+    found = np.zeros((z.size, 3, 3, 6))
+    found[:, 0, 0, 0], found[:, 0, 1, 0] = cosine, -sine
+    found[:, 0, 0, 1], found[:, 0, 1, 1] = sine, cosine
+    found[:, 0, 2, 2] = 1.0
+    # t x r with r = (x cos - y sin, x sin + y cos, z)
+    found[:, 0, 0, 3], found[:, 0, 1, 3] = -apart * sine, -apart * cosine
+    found[:, 1, 2, 3], found[:, 2, 2, 3] = sine, cosine
+    found[:, 0, 0, 4], found[:, 0, 1, 4] = apart * cosine, -apart * sine
+    found[:, 1, 2, 4], found[:, 2, 2, 4] = -cosine, sine
+    found[:, 2, 0, 5], found[:, 1, 1, 5] = -1.0, 1.0
+    found[..., 3:] /= radius
+    return found
