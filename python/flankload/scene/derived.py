@@ -252,6 +252,12 @@ def _roll_at_change(asked: SceneFile, z: int, key: str, extent: str, *, at_tip: 
         refuse(DISTANCE, f"more than the {name} of the base radii, {least:.4f} mm", distance)
     angle, pitch = acos(least / distance), one.keys.base_pitch_mm
     tips = (0.5 * one.keys.tip_diameter_mm, 0.5 * two.keys.tip_diameter_mm)
+    apart = sense * (distance - tips[1]) - tips[0]
+    if apart >= 0.0:
+        backlash_um = asked.pair.normal_backlash_um
+        origin = "" if backlash_um is None else f", by normal_backlash_um = {backlash_um:g}"
+        found = f"{distance:g} mm: the tips pass each other {apart:.4f} mm apart{origin}"
+        refuse(DISTANCE, "a distance at which the tips reach each other", found)
     start, end = ends_of_path(radii, tips, angle, sense)
     ratio = (end - start) / pitch
     if not ONE_PAIR < ratio < TWO_PAIRS:

@@ -395,6 +395,26 @@ def test_a_long_relief_needs_one_pair_alone() -> None:
     assert refused(spline).expected.startswith("nothing: it refers to the path of contact of two ")
 
 
+@pytest.mark.parametrize(
+    ("keys", "origin"),
+    [
+        ({"center_distance_mm": 140.0}, ""),
+        (
+            {"center_distance_mm": None, "normal_backlash_um": 2e4},
+            ", by normal_backlash_um = 20000",
+        ),
+    ],
+)
+def test_tips_apart_blame_the_distance_and_no_relief(
+    keys: dict[str, float | None], origin: str
+) -> None:
+    """Regression: the relief was refused with a contact ratio of -3.6."""
+    error = refused(external(LONG, **keys))
+    assert error.key == "pair.center_distance_mm"
+    assert error.expected == "a distance at which the tips reach each other"
+    assert f"mm apart{origin}" in error.found
+
+
 def test_errors_name_the_origin_of_derived_values() -> None:
     error = refused(external({"tip_diameter_mm": None, "addendum_factor": 2.5}))
     assert error.key == "body_1.tip_diameter_mm"
