@@ -67,7 +67,6 @@ def run_once(
     *,
     plan: Counted | None = None,
     discretization: Discretization | None = None,
-    on_assembly: Callable[[Any], None] | None = None,
     on_states: Callable[[States], None] | None = None,
     earlier: Earlier | None = None,
 ) -> tuple[Result, ...]:
@@ -84,9 +83,8 @@ def run_once(
         Predictions by stage, which the result shows beside the actual cost.
     discretization : Discretization, optional
         Replaces the discretization of the scene.
-    on_assembly, on_states : callables, optional
-        Called with the assembly before finite elements are solved, and with the states of the run,
-        which `Earlier.similar` takes.
+    on_states : callable, optional
+        Called with the states of the run, which `Earlier.similar` takes.
 
     Raises
     ------
@@ -102,8 +100,6 @@ def run_once(
         by_geometry = require_premises(scene, mechanism.broken_by_geometry(built))
         account.bytes += held_bytes(built)
     predicted = beside_plan(mechanism.work(scene, built), plan)
-    if on_assembly is not None:
-        on_assembly(built)
     kept = {} if kept is None else kept
     assembly, compliances = mechanism.compliances(scene, built, clock, kept, earlier.parts)
     if assembly.position_rad.size != built.position_rad.size:

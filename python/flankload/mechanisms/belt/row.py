@@ -199,14 +199,6 @@ class BeltRow:
             self._known = ends, self._joined(ends, account)
         return at_position(self.strip, self._known[1], ends, teeth, on)
 
-    def solve_tight_end(self, phase: float, account: Account) -> PieceSize:
-        """Solve the piece with the tight strand; return its size."""
-        on = self.strip.pitch_rad * (phase - round_down(phase + 0.5))
-        end, _ = strand_ends(self.strip, self.elements, on)
-        size = PieceSize.of(self._mesh("tight", end), self.CUTS["tight"])
-        self._piece("tight", end, account)
-        return size
-
     def solve_cell(self, account: Account) -> None:
         """Solve the cell; a belt of one tooth has none."""
         if self.strip.wrapped_teeth > 1:
