@@ -594,3 +594,11 @@ def test_the_scene_reads_back_from_its_text(tmp_path: Path) -> None:
     again = read_scene(written(tmp_path, scene.to_toml(), "pair.toml"))
     assert again.to_dict() == scene.to_dict()
     assert tomllib.loads(scene.to_toml())["name"] == "helical stage"
+
+
+def test_backlash_in_place_of_the_centre_distance_of_the_model(tmp_path: Path) -> None:
+    """Regression: "pair.center_distance_mm: expected a number, found None"."""
+    settings = {"pair.center_distance_mm": None, "pair.normal_backlash_um": 50}
+    scene = made(tmp_path, stage=21, settings=settings).scene
+    assert scene.pair is not None
+    assert (scene.pair.normal_backlash_um, "pair.center_distance_mm" in scene.derived) == (50, True)

@@ -31,7 +31,8 @@ def pair_of(stock: Stock, stage: Stage, bodies: Sequence[Gear]) -> dict[str, flo
     distance = source.number("center_distance", "mm")
     if distance is None:
         stock.missing(source, "center_distance", key)
-    if distance is None or key in stock.settings:
+    # a distance that the scene shall not have still tells signs and positions
+    if distance is None or stock.settings.get(key) is not None:
         stock.replace(key, distance)
         distance = _given(stock, key)
     distance = abs(distance) if stage.is_internal else distance
@@ -71,7 +72,7 @@ def _given(stock: Stock, key: str) -> float:
     """A number that is given beside the file."""
     value = stock.settings[key]
     if not isinstance(value, int | float):
-        stock.model.refuse(key, "a number", value)
+        stock.model.refuse(key, "a number", "nothing" if value is None else value)
     return float(value)
 
 
