@@ -10,6 +10,7 @@ module flankload_status
     public :: code_no_zone, code_too_many_zones, code_unsettled_cells, code_circle_misses, &
         & code_no_room, code_stopped, code_conforms, code_unsettled_widths, code_unsteady_points, &
         & code_forces_move, code_only_ends, code_not_in_slices
+    public :: site_off_corners, site_touches, site_not_parabolic, site_end_would_touch
 
     ! Solved
     integer, parameter :: status_solved = 0, status_ill_conditioned = 1, status_degenerate = 2, &
@@ -25,6 +26,12 @@ module flankload_status
     integer, parameter :: code_conforms = -17, code_unsettled_widths = -18
     integer, parameter :: code_unsteady_points = -19, code_forces_move = -20
     integer, parameter :: code_only_ends = -21, code_not_in_slices = -22
+
+    ! Values of `site_corner` other than the number of the body whose sharp corner carries load: no
+    ! contact or an ordinary one; first touch without torque; lumped contact that is not parabolic,
+    ! near a kink, a rounding or an end; cut end of a flank that would touch
+    integer, parameter :: site_off_corners = 0, site_touches = -1, site_not_parabolic = -2
+    integer, parameter :: site_end_would_touch = -3
     !> Offset of the status of an invalid argument: argument i has status -100 - i in procedures in
     !> which -1 … -7 have other meanings.
     integer, parameter :: before_arguments = -100

@@ -52,6 +52,16 @@ enum {
     FLANKLOAD_PART_SECTIONS = 15
 };
 
+/* Values of site_corner. */
+enum {
+    FLANKLOAD_SITE_OFF_CORNERS = 0,
+    FLANKLOAD_SITE_CORNER_1 = 1,
+    FLANKLOAD_SITE_CORNER_2 = 2,
+    FLANKLOAD_SITE_TOUCHES = -1,
+    FLANKLOAD_SITE_NOT_PARABOLIC = -2,
+    FLANKLOAD_SITE_END_WOULD_TOUCH = -3
+};
+
 /* Version of the library. */
 void flankload_version_(int *major, int *minor, int *patch, int *info);
 

@@ -68,10 +68,8 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> coefficients of finite forces; also without a result. (8): number of pairs; (9): index of the
     !> first of the packed pairs (from 1; 0: none is packed)
     integer, intent(out) :: counters(9, n_positions, n_torques)
-    !> Force [N], largest ratio of force to cell width [N/mm] (slices: largest pressure [MPa]), body
-    !> whose sharp corner is in contact (0: none; -1: site in contact without torque; -2: gap that
-    !> is no parabola in lumped contact; both without a corner; -3: contact would occur at an
-    !> omitted end)
+    !> Force [N], largest ratio of force to cell width [N/mm] (slices: largest pressure [MPa]),
+    !> contact on sharp corners (fl_site_off_corners, fl_site_corner_1 …)
     double precision, intent(out) :: site_force(n_sites, n_positions, n_torques)
     double precision, intent(out) :: site_peak(n_sites, n_positions, n_torques)
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)

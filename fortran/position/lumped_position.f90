@@ -7,7 +7,8 @@
 !> half-width grows with a power of its force.
 module flankload_lumped_position
     use flankload_kinds, only: wp
-    use flankload_status, only: code_conforms, code_unsettled_widths
+    use flankload_status, only: code_conforms, code_unsettled_widths, site_not_parabolic, &
+        & site_off_corners
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: is_level
@@ -20,7 +21,7 @@ module flankload_lumped_position
     use flankload_lumped_pass, only: couple, lumped_system, solve_pass, step_places
     use flankload_lumped_place, only: place_type
     use flankload_position_zones, only: position_type
-    use flankload_position_state, only: count_lumped, may_touch, not_parabolic, position_state, &
+    use flankload_position_state, only: count_lumped, may_touch, position_state, &
         & would_touch
     use flankload_slice_coupling, only: half_width_of, load_slices, widen_slices
     implicit none
@@ -263,9 +264,9 @@ contains
                 end if
                 if (worked > 0) then
                     state%site_corner(site) = max(worked, state%site_corner(site))
-                else if (state%site_corner(site) == 0 .and. abs(place%reach(2) - place%reach(1)) &
-                    & > aslant*sum(place%reach)) then
-                    state%site_corner(site) = not_parabolic
+                else if (state%site_corner(site) == site_off_corners &
+                    & .and. abs(place%reach(2) - place%reach(1)) > aslant*sum(place%reach)) then
+                    state%site_corner(site) = site_not_parabolic
                 end if
             end associate
         end do

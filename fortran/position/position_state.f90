@@ -2,7 +2,8 @@
 module flankload_position_state
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_status, only: invalid_scale, no_contact_state
+    use flankload_status, only: invalid_scale, no_contact_state, site_end_would_touch, &
+        & site_off_corners, site_touches
     use flankload_error, only: error_type
     use flankload_contact_result, only: contact_result
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
@@ -11,14 +12,9 @@ module flankload_position_state
     private
 
     public :: position_state
-    public :: not_parabolic
     public :: blank_state, take_contact, unloaded_state, would_touch, count_lumped, note_ends
     public :: may_touch, presses_across
 
-    !> Values of site_corner without contact on a corner: first touch without torque; lumped contact
-    !> that is not parabolic, near a kink, a rounding or an end; cut end of a flank that would
-    !> touch.
-    integer, parameter :: touches_only = -1, not_parabolic = -2, end_would_touch = -3
     !> A zone is included in the contact problem if its gap is less than the estimated rotation plus
     !> this fraction of the approach: lumped contacts are accurate to 1 %, and would_touch finds
     !> the zones missed.
@@ -35,7 +31,7 @@ module flankload_position_state
         type(pairs_type) :: pairs
         real(wp), allocatable :: forces(:), gaps(:)
         !> Force [N], maximum of force over cell width [N/mm], and body with contact on its corner
-        !> (or one of the numbers above), shape (sites)
+        !> (or `site_off_corners` … of `flankload_status`), shape (sites)
         real(wp), allocatable :: site_force(:), site_peak(:)
         integer, allocatable :: site_corner(:)
         !> Certificate of the contact loop
@@ -61,7 +57,7 @@ contains
         type(position_state), intent(out) :: state
 
         allocate (state%site_force(n_sites), state%site_peak(n_sites), source=0.0_wp)
-        allocate (state%site_corner(n_sites), source=0)
+        allocate (state%site_corner(n_sites), source=site_off_corners)
     end subroutine blank_state
 
     !> Copy the result of the contact loop: the state, or the reason why there is none.
@@ -123,7 +119,7 @@ contains
         state%rotation = position%gap(z)
         state%tangent = ieee_value(1.0_wp, ieee_quiet_nan)
         associate (zone => position%zones(z))
-            state%site_corner(zone%site) = merge(zone%corner, touches_only, zone%corner > 0)
+            state%site_corner(zone%site) = merge(zone%corner, site_touches, zone%corner > 0)
         end associate
         call reserve_pairs(state%pairs, 0)
         allocate (state%forces(0), state%gaps(0))
@@ -141,8 +137,8 @@ contains
         do z = 1, size(position%ends)
             site = position%ends(z)%site
             if (position%end_gap(z) < position%ends(z)%side*state%rotation &
-                & .and. state%site_corner(site) == 0) then
-                state%site_corner(site) = end_would_touch
+                & .and. state%site_corner(site) == site_off_corners) then
+                state%site_corner(site) = site_end_would_touch
             end if
         end do
     end subroutine note_ends

@@ -7,7 +7,7 @@
 module flankload_position_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_status, only: no_contact_state, code_no_room, code_stopped
+    use flankload_status, only: no_contact_state, code_no_room, code_stopped, site_off_corners
     use flankload_mesh, only: body_type, mesh_type
     use flankload_known_contact, only: contact_of, known_contact, known_contacts
     use flankload_position_load, only: solve_position
@@ -35,9 +35,8 @@ module flankload_position_sweep
         !> positions, torques); those of states without a solution or without room for their pairs
         !> are included
         integer, allocatable :: counters(:, :, :)
-        !> Force [N], maximum of force over cell width [N/mm], body with contact on its sharp corner
-        !> (-1: first touch without torque, -2: lumped contact that is not parabolic, -3: cut end
-        !> that would touch), shape (sites, positions, torques)
+        !> Force [N], maximum of force over cell width [N/mm], body with contact on its sharp
+        !> corner (or `site_off_corners` … of `flankload_status`), shape (sites, positions, torques)
         real(wp), allocatable :: site_force(:, :, :), site_peak(:, :, :)
         integer, allocatable :: site_corner(:, :, :)
         !> Number of pairs, and index of the first of them in the caller's arrays (from 1), shape
@@ -174,7 +173,7 @@ contains
         allocate (found%counters(n_counters, n_positions, n_torques), source=0)
         allocate (found%site_force(n_sites, n_positions, n_torques), source=nan)
         allocate (found%site_peak(n_sites, n_positions, n_torques), source=nan)
-        allocate (found%site_corner(n_sites, n_positions, n_torques), source=0)
+        allocate (found%site_corner(n_sites, n_positions, n_torques), source=site_off_corners)
         allocate (found%n_pairs(n_positions, n_torques), source=0)
         allocate (found%first_pair(n_positions, n_torques), source=0)
     end subroutine reserve

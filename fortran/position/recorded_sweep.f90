@@ -3,7 +3,7 @@
 module flankload_recorded_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_status, only: invalid_input
+    use flankload_status, only: invalid_input, site_off_corners
     use flankload_mesh, only: body_type, mesh_type
     use flankload_body_record, only: body_mark, counts_in, counts_type, is_record, mesh_mark, &
         & mesh_parts, part_axial, part_mesh, place_in, record_length, start_record, write_part
@@ -214,7 +214,7 @@ contains
             counters = 0
             site_force = nan
             site_peak = nan
-            site_corner = 0
+            site_corner = site_off_corners
             return
         end if
         status = found%status

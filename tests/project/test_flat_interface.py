@@ -14,7 +14,7 @@ import pytest
 
 from flankload import _core
 from flankload.contact.body_record import PARTS
-from flankload.contact.status import Status
+from flankload.contact.status import SiteCorner, Status
 from tests.support.paths import FORTRAN
 
 FLAT = sorted((FORTRAN / "flat").glob("*.f90"))
@@ -192,7 +192,7 @@ def test_the_module_shows_the_whole_interface() -> None:
     shown = [name for line in re.findall(r"public :: (.*)", text) for name in line.split(", ")]
     include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
     numbers = re.findall(r"(fl_\w+)=", include)
-    assert len(numbers) == 12 + len(PARTS)
+    assert len(numbers) == 12 + len(PARTS) + len(SiteCorner)
     interface = [name for name in shown if name.startswith(("flankload_", "fl_"))]
     assert sorted(interface) == sorted([*FOR_FORTRAN, *numbers])
 
@@ -201,8 +201,8 @@ def named_numbers() -> tuple[dict[str, int], dict[str, int]]:
     """Constants for Fortran, and those for C, without their prefixes."""
     include = (FORTRAN / "flat" / "flankload.inc").read_text(encoding="ascii")
     header = (FORTRAN / "flat" / "flankload.h").read_text(encoding="utf-8")
-    of_c = {k.lower(): int(v) for k, v in re.findall(r"FLANKLOAD_(\w+) = (\d+)", header)}
-    return {k: int(v) for k, v in re.findall(r"fl_(\w+)=(\d+)", include)}, of_c
+    of_c = {k.lower(): int(v) for k, v in re.findall(r"FLANKLOAD_(\w+) = (-?\d+)", header)}
+    return {k: int(v) for k, v in re.findall(r"fl_(\w+)=(-?\d+)", include)}, of_c
 
 
 def test_numbers_of_methods_structures_and_parts_agree() -> None:
@@ -217,6 +217,7 @@ def test_numbers_of_methods_structures_and_parts_agree() -> None:
         "definite_part": DEFINITE_PART,
     }
     names |= {f"part_{name}": number for number, name in enumerate(PARTS, start=1)}
+    names |= {f"site_{corner.name.lower()}": corner.value for corner in SiteCorner}
     assert of_fortran == of_c == names
 
 
@@ -225,6 +226,10 @@ def test_every_status_has_its_words() -> None:
     numbers = registry.partition("contains")[0]
     named = dict(re.findall(r"\b(\w+) = (-?\d+)\b", numbers))
     del named["before_arguments"]
+    corners = {name for name in named if name.startswith("site_")}
+    marks = {name.removeprefix("site_").upper(): int(named.pop(name)) for name in corners}
+    of_body = {SiteCorner.CORNER_1, SiteCorner.CORNER_2}
+    assert marks == {corner.name: corner.value for corner in set(SiteCorner) - of_body}
     names = {re.sub("^(status|code)_", "", name).upper(): int(n) for name, n in named.items()}
     assert names == {status.name: status.value for status in Status}
     words = {code: _core.flankload_status_text(code).decode("ascii").strip() for code in Status}

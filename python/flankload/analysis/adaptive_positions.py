@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import END_WOULD_TOUCH, Sweep, join_sweeps
+from flankload.contact.status import is_marked
+from flankload.contact.sweep import Sweep, join_sweeps
 from flankload.result.interpolant import curve_through, loaded_pair_changes
 
 if TYPE_CHECKING:
@@ -191,8 +192,7 @@ class _Known:
         if parts[0].torque_Nmm > 0:
             carries = np.concatenate([part.site_force_N for part in parts]) != 0
         else:
-            corner = np.concatenate([part.site_corner for part in parts])
-            carries = (corner != 0) & (corner != END_WOULD_TOUCH)
+            carries = is_marked(np.concatenate([part.site_corner for part in parts]))
         return cls(rotation[order], carries[order])
 
 

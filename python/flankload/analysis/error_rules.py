@@ -19,6 +19,7 @@ from flankload.analysis.load_factors import (
 )
 from flankload.analysis.tangent import LARGEST_KINK
 from flankload.base.rounding import TIE
+from flankload.contact.status import on_corner
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats, Numbers
@@ -185,7 +186,7 @@ def _of_line_loads(
     largest = float(np.max(_line_loads(found, found)))
     change = _line_loads(other, other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
-    change = np.where(_slices(found).corner > 0, 0.0, change)
+    change = np.where(on_corner(_slices(found).corner), 0.0, change)
     errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest)}
     for name, number_of in (
         (FACE_LOAD, lambda part: face_load_factor(part, weights)),
@@ -268,8 +269,8 @@ def _whole_force(part: Sweep) -> Floats:
 
 def _smooth(*parts: Sweep) -> Flags:
     """Sites that carry load in the first of several sweeps, in none of them on a sharp corner."""
-    off = [part.site_corner <= 0 for part in parts]
-    return np.asarray(np.logical_and.reduce(off) & (parts[0].site_peak_N_per_mm > 0))
+    corners = [on_corner(part.site_corner) for part in parts]
+    return np.asarray(~np.logical_or.reduce(corners) & (parts[0].site_peak_N_per_mm > 0))
 
 
 def _largest_peak(found: Sweep) -> float:

@@ -57,7 +57,7 @@ from flankload.analysis.error_rules import (
     remaining_errors,
 )
 from flankload.analysis.period_error import HARMONICS_KEY
-from flankload.contact.sweep import END_WOULD_TOUCH
+from flankload.contact.status import is_marked, on_corner
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -266,7 +266,7 @@ def _uncertain_pressure(
     part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> dict[str, str]:
     """The peak pressure with the reason if no estimate bounds its error; else nothing."""
-    if (part.site_corner > 0).any():
+    if on_corner(part.site_corner).any():
         return {"peak_pressure": ON_CORNERS}
     pairs = part.pairs
     loaded = pairs.column("force") > 0
@@ -353,10 +353,10 @@ def _shaped_part(found: Sweep) -> float:
     corner, force = found.site_corner, found.site_force_N
     if found.slices is not None:
         corner, force = found.slices.corner, found.slices.force_N
-    marked = (corner != 0) & (corner != END_WOULD_TOUCH) & (force > 0)
+    marked = is_marked(corner) & (force > 0)
     if not marked.any():
         return 0.0
-    if found.slices is None or (marked & (corner > 0)).any():
+    if found.slices is None or (marked & on_corner(corner)).any():
         return 1.0
     each = tuple(range(1, force.ndim))
     return float(np.max(np.where(marked, force, 0.0).sum(axis=each) / force.sum(axis=each)))

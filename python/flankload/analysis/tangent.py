@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.sweep import END_WOULD_TOUCH, UnloadedStates, known_contacts
+from flankload.contact.status import is_marked
+from flankload.contact.sweep import UnloadedStates, known_contacts
 from flankload.errors import ContactError
 
 if TYPE_CHECKING:
@@ -92,9 +93,7 @@ def with_unloaded(
             (none,) = run(torques_Nmm=[0.0])
         except ContactError:
             return found
-    corner = none.site_corner
-    touches = (corner != 0) & (corner != END_WOULD_TOUCH)
-    unloaded = UnloadedStates(none.rotation_rad, touches)
+    unloaded = UnloadedStates(none.rotation_rad, is_marked(none.site_corner))
     return tuple(replace(part, unloaded=unloaded) for part in found)
 
 

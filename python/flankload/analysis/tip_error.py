@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.error_rules import RemainingError, mean_stiffness
+from flankload.contact.status import SiteCorner, on_corner
 from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
     error, apart = _answer(found, lost, between)
     tiny = np.finfo(float).tiny
     grown = np.clip(apart / np.maximum(force, tiny), -1.0, 1.0)
-    peak = np.where(found.site_corner <= 0, found.site_peak_N_per_mm, 0.0)
+    peak = np.where(on_corner(found.site_corner), 0.0, found.site_peak_N_per_mm)
     changes = {
         "transmission_error": error / np.abs(rotation).max(),
         "load_share": apart / np.maximum(force.sum(axis=1, keepdims=True), tiny),
@@ -191,9 +192,9 @@ def _lost_displacement(
 def _turn_of_force(loads: _Loads, pair: BodyPair, compliance: BodyCompliance, z: int) -> Floats:
     """k = (n'·u)/(n·u) of each loaded pair (n,); 1 where the force has the normal of the body."""
     body, corner = pair.bodies[z], loads.found.site_corner[loads.at]
-    turned = corner == 2 - z  # the mate's corner
+    turned = corner == SiteCorner.of_body(1 - z)
     if compliance.turned is None and compliance.modes.tip is None:
-        turned |= corner == z + 1
+        turned |= corner == SiteCorner.of_body(z)
     turn = np.ones(turned.size)
     if body.involute is None or not turned.any():
         return turn

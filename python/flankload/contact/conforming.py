@@ -22,6 +22,7 @@ from flankload.base.rotation import turned
 from flankload.contact import solve_contact_general
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.pair_table import COLUMNS, PackedPairs
+from flankload.contact.status import SiteCorner
 from flankload.contact.sweep import SliceStates, Sweep
 from flankload.elasticity.prism.strip_field import StripField
 
@@ -189,7 +190,7 @@ def _as_sweep(
     for column, name in enumerate(("pivots", "refactorisations")):
         counters[:, CORE_COUNTERS.index(name)] = [state.work[column] for state in states]
     site_forces = forces.sum(axis=2)
-    corner = np.zeros(forces.shape, dtype=np.int64)
+    corner = np.full(forces.shape, SiteCorner.OFF_CORNERS, dtype=np.int64)
     return Sweep(
         torque_Nmm=torque,
         status=np.array([state.status for state in states], dtype=np.int64),

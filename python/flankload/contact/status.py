@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    Corners = NDArray[np.int64]
+
 
 class Status(IntEnum):
     """Status of a contact problem or of a position (`fortran/base/status.f90`)."""
@@ -46,6 +48,34 @@ class Status(IntEnum):
     FORCES_MOVE = -20
     ONLY_ENDS = -21
     NOT_IN_SLICES = -22
+
+
+class SiteCorner(IntEnum):
+    """Contact of a site on a sharp corner of a body, or off corners (`fortran/base/status.f90`)."""
+
+    OFF_CORNERS = 0
+    CORNER_1 = 1
+    CORNER_2 = 2
+    # off corners
+    TOUCHES = -1  # the site that touches without torque
+    NOT_PARABOLIC = -2  # a lumped contact that no parabola approximates
+    END_WOULD_TOUCH = -3  # a cut end of a flank would touch
+
+    @classmethod
+    def of_body(cls, z: int) -> SiteCorner:
+        """Contact on a sharp corner of body z (0 or 1)."""
+        return (cls.CORNER_1, cls.CORNER_2)[z]
+
+
+def on_corner(corners: Corners) -> NDArray[np.bool_]:
+    """Whether each site has contact on a sharp corner of a body."""
+    return np.asarray(corners >= SiteCorner.CORNER_1)
+
+
+def is_marked(corners: Corners) -> NDArray[np.bool_]:
+    """Whether each site has contact on a corner, or one that is marked for another reason."""
+    unmarked = (SiteCorner.OFF_CORNERS, SiteCorner.END_WOULD_TOUCH)
+    return np.asarray(~np.isin(corners, unmarked))
 
 
 #: Exception for each status of a position without a state.

@@ -10,7 +10,7 @@ import numpy as np
 from flankload.contact.body_record import core_sites, records_of
 from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts
 from flankload.contact.pair_table import PackedPairs, join_pairs
-from flankload.contact.status import raise_first_failure
+from flankload.contact.status import on_corner, raise_first_failure
 from flankload.cost import Account
 
 if TYPE_CHECKING:
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 #: Fields of a sweep without an axis of positions.
 WITHOUT_POSITIONS = ("torque_Nmm", "edges_mm", "conforming")
-#: Value of the core for a site where an omitted end of a flank would touch.
-END_WOULD_TOUCH = -3
 #: Allocated pairs in the first call, per position and torque: twice the usual number.
 INITIAL_PAIRS = 256
 #: The same for contact on all teeth, per site and cell between the middle and the edge of its zone:
@@ -96,10 +94,8 @@ class Sweep:
     counters : (P, 7) array
         Cost of each state: `core_call.CORE_COUNTERS`.
     site_force_N, site_peak_N_per_mm, site_corner : (P, S) arrays
-        Force; largest force over cell width; body with contact on a sharp corner (0: none; -1: the
-        site that touches without torque, -2: a lumped contact that no parabola approximates, both
-        off corners; -3: an omitted end would touch). With slices: sum of the forces, largest
-        pressure, MPa.
+        Force; largest force over cell width; `status.SiteCorner`. With slices: sum of the forces,
+        largest pressure, MPa.
     site_force_per_torque : (P, S) array
         Derivative of the forces with respect to the torque, 1/mm; force over torque until it is
         computed.
@@ -242,7 +238,7 @@ def _over_slices(found: Sweep, slices: Slices) -> Sweep:
         for part in (found.site_force_N, found.site_peak_N_per_mm, found.site_corner)
     )
     # contact on a corner in any slice has precedence over other values
-    worst = np.where(corner.max(axis=2) > 0, corner.max(axis=2), corner.min(axis=2))
+    worst = np.where(on_corner(corner).any(axis=2), corner.max(axis=2), corner.min(axis=2))
     return replace(
         found,
         site_force_N=force.sum(axis=2),

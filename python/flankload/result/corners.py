@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.contact.status import SiteCorner
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -86,7 +88,7 @@ def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
     names = found.pairs.names
     place, force, cell = (names.index(name) for name in (f"s_{z + 1}", "force", "cell"))
     corner = found.site_corner if found.slices is None else found.slices.corner
-    for p, *at in np.argwhere(corner == z + 1).tolist():
+    for p, *at in np.argwhere(corner == SiteCorner.of_body(z)).tolist():
         sites, table = found.pairs.at(p)
         rows = sites == at[0]
         if len(at) > 1:

@@ -13,6 +13,7 @@ from flankload.base.rotation import turned
 from flankload.base.torque import in_newton_metres
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
+from flankload.contact.status import on_corner
 from flankload.mechanisms.flank_pair.notes import notes_of_result, notes_of_sweep
 from flankload.result.friction import FrictionResult, friction_result
 from flankload.result.harmonics import over_positions
@@ -76,7 +77,7 @@ def result_of(
         stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
         pair_tables=_pair_tables(pair, found.pairs, width),
-        corner_contact=found.site_corner[:, carries] > 0,
+        corner_contact=on_corner(found.site_corner[:, carries]),
         pitch_rad=pair.pairing.pitch_rad,
         period_rad=pair.period_rad,
         closed=pair.closed,
@@ -159,7 +160,7 @@ def _coast(
     return CoastContact(
         force_N=found.site_force_N[:, carries],
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
-        corner_contact=found.site_corner[:, carries] > 0,
+        corner_contact=on_corner(found.site_corner[:, carries]),
         pair_tables=_pair_tables(pair, found.pairs, width),
     )
 

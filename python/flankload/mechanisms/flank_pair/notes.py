@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import TIE
-from flankload.contact.sweep import END_WOULD_TOUCH
+from flankload.contact.status import SiteCorner
 from flankload.pairing.node_spacing import wide_nodes_notes
 from flankload.result.corners import corner_notes
 from flankload.scene.discretization import elements_for_modes
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.result import Result
 
-#: Value of a corner contact for a lumped contact whose gap is not parabolic.
-NOT_PARABOLIC = -2
 #: Largest rotation of body 1 under load for small deformations, in pitches, or in radians without
 #: pitches. On FZG type C pairs of softer materials, finite elements with large displacements rotate
 #: further than with small ones by 0.3 % at 0.0067, 0.7 % at 0.016, 1.1 % at 0.031, 1.9 % at 0.061.
@@ -52,7 +50,7 @@ def notes_of_sweep(
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"
         )
-    shaped = int(np.count_nonzero((found.site_corner == NOT_PARABOLIC).any(axis=1)))
+    shaped = int(np.count_nonzero((found.site_corner == SiteCorner.NOT_PARABOLIC).any(axis=1)))
     if shaped:
         yield (
             f"contact ends at a kink, a rounding or an edge of a flank at "
@@ -60,7 +58,7 @@ def notes_of_sweep(
             "up to twice as high"
             + (' (effects.contact = "pairs" resolves them)' if pair.slices is None else "")
         )
-    left_out = np.flatnonzero((found.site_corner == END_WOULD_TOUCH).any(axis=1))
+    left_out = np.flatnonzero((found.site_corner == SiteCorner.END_WOULD_TOUCH).any(axis=1))
     if left_out.size:
         yield (
             f"a tip or fillet that effects.tip_contact = false excludes would touch at "

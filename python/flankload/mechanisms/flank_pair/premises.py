@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import TIE
+from flankload.contact.status import on_corner
 from flankload.errors import ContactError, NoContactState
 from flankload.mechanisms.flank_pair.rims import held_rim
 from flankload.mechanisms.premises import (
@@ -156,7 +157,7 @@ def _peak_off_corners(found: Sweep) -> float:
     sites = [(found.site_peak_N_per_mm, found.site_corner)]
     if found.coast is not None:
         sites.append((found.coast.site_peak_N_per_mm, found.coast.site_corner))
-    return max(float(np.max(peak, where=corner <= 0, initial=0.0)) for peak, corner in sites)
+    return max(float(np.max(peak, where=~on_corner(corner), initial=0.0)) for peak, corner in sites)
 
 
 # --- coast flanks that are not simulated ----------------------------------------------------------
