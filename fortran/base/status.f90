@@ -82,7 +82,7 @@ module flankload_status
         & status_type(code_only_ends, &
         & 'flanks are nearest to each other at excluded ends'), &
         & status_type(code_not_in_slices, &
-        & 'slices require small forces and flanks with two ends')]
+        & 'slices require small forces, flanks with two ends; if they conform, no friction')]
 
 contains
 

@@ -146,6 +146,13 @@ end subroutine flankload_pack_body
 !> | fl_part_sections    | (degree + 1, 2, n_breaks - 1, n), of either body of a pair in n slices: |
 !> |                     | coefficients of its flank in each slice, between the same breaks,       |
 !> |                     | instead of those of flankload_pack_body                                 |
+!> | fl_part_height      | (9 + n_sites²), of a mesh in slices whose flanks conform over a common  |
+!> |                     | height, with one unknown per site: arc lengths of its middle on both    |
+!> |                     | flanks and its length [mm]; mean normal (x, y) out of body 1 in its     |
+!> |                     | frame; angle of body 2 relative to body 1 at which the flanks touch     |
+!> |                     | [rad]; displacement (x, y) of axis 2 per length along z, and the z at   |
+!> |                     | which it is that of the mesh [mm]; displacement of the height at site i |
+!> |                     | per force at site k, symmetric, column by column [mm/N]                 |
 !>
 !> The parts of a mesh may also be packed into the record of body 1 if it is passed to
 !> flankload_sweep or flankload_sweep_continued, which have no record of a mesh.

@@ -2,7 +2,7 @@
 
 !> Begin the record of a mesh of two bodies: their axes, contact model and cells.
 !>
-!> The parts sides, friction and slices are added by flankload_pack_part. info as in
+!> The parts sides, friction, slices and height are added by flankload_pack_part. info as in
 !> flankload_pack_body.
 subroutine flankload_pack_mesh(n_sites, axes, twist, settings, n_record, record, info)
     use flankload_body_record, only: are_valid, counts_type, mesh_mark, part_mesh, record_length, &

@@ -20,11 +20,11 @@ module flankload_body_record
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
     public :: part_sides, part_friction, part_axial, part_slices, part_turned, part_wedge_along
-    public :: part_shaft, part_sections
+    public :: part_shaft, part_sections, part_height
     public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block, part_mesh
-    public :: body_mark, mesh_mark, mesh_parts
+    public :: body_mark, mesh_mark, mesh_parts, height_values
     public :: fits, are_valid, record_length, start_record, write_part
     public :: belongs_to, is_record, counts_in, shape_in, place_in
 
@@ -46,6 +46,7 @@ module flankload_body_record
         enumerator :: part_wedge_along
         enumerator :: part_shaft
         enumerator :: part_sections
+        enumerator :: part_height
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -57,9 +58,10 @@ module flankload_body_record
         enumerator :: part_block
         enumerator :: part_mesh
     end enum
-    integer, parameter :: last_optional = part_sections, last_part = part_mesh
+    integer, parameter :: last_optional = part_height, last_part = part_mesh
     !> Optional parts of a mesh
-    integer, parameter :: mesh_parts(3) = [part_sides, part_friction, part_slices]
+    integer, parameter :: mesh_parts(4) = [part_sides, part_friction, part_slices, &
+        & part_height]
 
     !> Sizes that determine the shapes of all parts.
     type :: counts_type
@@ -75,9 +77,11 @@ module flankload_body_record
 
     !> First number of a record: F, L and B (body) or M (mesh) in ASCII, then the version of this
     !> layout, which changes with the list of parts. Records of other versions are rejected.
-    real(wp), parameter :: body_mark = 70766605.0_wp, mesh_mark = 70767705.0_wp
+    real(wp), parameter :: body_mark = 70766606.0_wp, mesh_mark = 70767706.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
+    !> Number of values of part_height before the compliance
+    integer, parameter :: height_values = 9
     !> Marks a dimension that follows from the number of values.
     integer, parameter :: any_number = -1
 
@@ -112,7 +116,7 @@ contains
             extents(:2) = [any_number, n%sites + 1]
         case (part_axial)
             extents(1) = 6
-        case (part_slices)
+        case (part_slices, part_height)
             extents(1) = any_number
         case (part_turned)
             extents(:2) = [n%modes, n%blocks]
@@ -204,8 +208,12 @@ contains
             if (valid) valid = mod(n%sites, n_places) == 0
         case (part_shaft)
             ! a compliance matrix is symmetric, with a nonnegative diagonal
-            valid = all(abs(values(:36) - reshape(transpose(reshape(values(:36), [6, 6])), [36])) &
-                & <= 0.0_wp) .and. all(values(:36:7) >= 0.0_wp)
+            valid = is_symmetric(values(:36), 6) .and. all(values(:36:7) >= 0.0_wp)
+        case (part_height)
+            ! a symmetric compliance follows nine numbers, of which the third is a length
+            valid = size(values) == height_values + n%sites**2
+            if (valid) valid = values(3) > 0.0_wp .and. is_symmetric(values(height_values + 1:), &
+                & n%sites)
         case (part_breaks)
             valid = all(values(2:) > values(:size(values) - 1))
         case (part_block)
@@ -220,6 +228,20 @@ contains
             valid = .true.
         end select
     end function are_valid
+
+    !> Return whether a matrix is symmetric.
+    pure function is_symmetric(values, n)
+        !> Its columns
+        real(wp), intent(in) :: values(:)
+        !> Number of rows
+        integer, intent(in) :: n
+        logical :: is_symmetric
+
+        real(wp) :: matrix(n, n)
+
+        matrix = reshape(values, [n, n])
+        is_symmetric = all(abs(matrix - transpose(matrix)) <= 0.0_wp)
+    end function is_symmetric
 
     !> Return whether a part is one of a body or of a mesh. Old programs pack those of a mesh into
     !> the record of body 1 (`flankload_sweep`).

@@ -9,7 +9,7 @@ module flankload_mesh
     implicit none
     private
 
-    public :: body_type, grid_settings, mesh_type
+    public :: body_type, grid_settings, height_type, mesh_type
     public :: level_pairs, level_lumped
 
     !> Contact models: pairs on cells, or one unknown per contact (lumped).
@@ -45,6 +45,22 @@ module flankload_mesh
         type(shaft_type), allocatable :: shaft
     end type body_type
 
+    !> Common height over which flanks on nearly common axes conform in slices, with one unknown per
+    !> site: its force is spread over the height in the same way at all sites.
+    type :: height_type
+        !> Arc lengths of the middle of the height on both flanks, and its length [mm]
+        real(wp) :: s(2) = 0.0_wp, length = 0.0_wp
+        !> Mean normal out of body 1 in its frame, weighted by the force
+        real(wp) :: normal(2) = 0.0_wp
+        !> Angle of body 2 relative to body 1 at which flanks without deviations touch [rad]
+        real(wp) :: turn = 0.0_wp
+        !> Displacement of axis 2 per length along z, relative to `mesh_type%axes` at z_middle [mm]
+        real(wp) :: tilt(2) = 0.0_wp, z_middle = 0.0_wp
+        !> Displacement at a site under a unit force at another [mm/N], symmetric, shape (sites,
+        !> sites)
+        real(wp), allocatable :: compliance(:, :)
+    end type height_type
+
     !> Mesh of two bodies: site k of the mesh is site k of either body.
     type :: mesh_type
         !> Axes of both bodies in the frame of the mesh [mm], shape (2, bodies)
@@ -60,6 +76,8 @@ module flankload_mesh
         !> Slices along the face width: each site is a slice of a flank pair, with the angle of its
         !> section; not allocated in the plane
         type(slices_type), allocatable :: slices
+        !> Common height of flanks that conform in slices; not allocated otherwise
+        type(height_type), allocatable :: height
         !> Contact model and discretization into cells
         type(grid_settings) :: grid
     end type mesh_type

@@ -5,6 +5,7 @@ module flankload_position_load
     use flankload_kinds, only: wp
     use flankload_status, only: code_conforms, code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
+    use flankload_conforming_slices, only: place_heights, solve_heights
     use flankload_contact_zones, only: zone_type
     use flankload_lumped_estimate, only: estimate_forces
     use flankload_lumped_position, only: solve_lumped
@@ -97,6 +98,10 @@ contains
                 call check_slices(bodies, meshes, error)
                 if (allocated(error)) return
             end if
+            if (allocated(meshes(1)%height)) then
+                call place_heights(bodies, meshes(1), angles, at)
+                return
+            end if
             call move_alloc(at%room, kept)
             call locate_contacts(bodies, meshes, angles, torque, everywhere, at, error)
             call move_alloc(kept, at%room)
@@ -128,6 +133,8 @@ contains
         call blank_state(size(bodies(1)%site_angles), state)
         if (torque <= 0.0_wp .and. .not. presses_across(position)) then
             call unloaded_state(position, state)
+        else if (allocated(meshes(1)%height)) then
+            call solve_heights(meshes(1), torque, position, state, error)
         else if (meshes(1)%grid%level == level_lumped) then
             call solve_lumped(bodies, meshes, torque, position, state, error)
         else

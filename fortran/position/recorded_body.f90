@@ -6,13 +6,13 @@ module flankload_recorded_body
     use flankload_circle_pair, only: new_flank
     use flankload_friction, only: new_friction
     use flankload_compliance_field, only: compliance_type
-    use flankload_mesh, only: body_type, grid_settings, mesh_type
-    use flankload_body_record, only: are_valid, body_mark, counts_in, is_record, last_part, &
-        & mesh_mark, part_along, part_axial, part_block, part_breaks, part_coefficients, &
-        & part_corners, part_deviations, part_friction, part_jump, part_kernel, part_mesh, &
-        & part_mode_range, part_nodes, part_sections, part_shaft, part_shift, part_sides, &
-        & part_site_angles, part_slices, part_smooth, part_tangential, part_tip, part_turned, &
-        & part_wedge, part_wedge_along, place_in, shape_in
+    use flankload_mesh, only: body_type, grid_settings, height_type, mesh_type
+    use flankload_body_record, only: are_valid, body_mark, counts_in, height_values, is_record, &
+        & last_part, mesh_mark, part_along, part_axial, part_block, part_breaks, &
+        & part_coefficients, part_corners, part_deviations, part_friction, part_height, part_jump, &
+        & part_kernel, part_mesh, part_mode_range, part_nodes, part_sections, part_shaft, &
+        & part_shift, part_sides, part_site_angles, part_slices, part_smooth, part_tangential, &
+        & part_tip, part_turned, part_wedge, part_wedge_along, place_in, shape_in
     implicit none
     private
 
@@ -67,8 +67,9 @@ contains
         !> False if the array is not a record, or a value in it is invalid
         logical, intent(out) :: valid
 
+        integer :: n
         real(wp) :: values(10)
-        real(wp), allocatable :: sides(:), friction(:, :), edges(:)
+        real(wp), allocatable :: sides(:), friction(:, :), edges(:), height(:)
 
         valid = is_record(mesh_mark, record)
         if (valid) valid = has_valid_parts(record)
@@ -87,6 +88,14 @@ contains
             allocate (mesh%slices)
             call move_alloc(edges, mesh%slices%edges)
         end if
+        call take(record, part_height, height)
+        if (.not. allocated(height)) return
+        ! conforming flanks are in slices
+        valid = allocated(mesh%slices)
+        n = nint(sqrt(real(size(height) - height_values, wp)))
+        mesh%height = height_type(s=height(:2), length=height(3), normal=height(4:5), &
+            & turn=height(6), tilt=height(7:8), z_middle=height(9), &
+            & compliance=reshape(height(height_values + 1:), [n, n]))
     end subroutine read_mesh
 
     !> Read the flank of a body, or its flanks in all slices.

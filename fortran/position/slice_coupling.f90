@@ -25,7 +25,7 @@ module flankload_slice_coupling
 contains
 
     !> Report an error for input that slices do not support: nodes, shifts, closed flanks; with
-    !> cells also finite forces.
+    !> cells also finite forces; if the flanks conform, these and friction.
     pure subroutine check_slices(bodies, meshes, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
@@ -38,6 +38,8 @@ contains
         refused = meshes(1)%grid%level == level_pairs .and. meshes(1)%grid%finite_steps > 0
         refused = refused .or. is_plane_only(bodies(1)%compliance) &
             & .or. is_plane_only(bodies(2)%compliance)
+        if (allocated(meshes(1)%height)) refused = refused .or. allocated(meshes(1)%friction) &
+            & .or. meshes(1)%grid%finite_steps > 0
         if (refused) call fatal_error(error, code_not_in_slices)
     end subroutine check_slices
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,16 @@ import flankload as fl
 import flankload.pairing.common_height as common
 from flankload.base.rotation import turned
 from flankload.contact import solve_contact_general
-from flankload.contact.conforming import conforming_slices, conforming_sweep
+from flankload.contact.conforming import reduced_compliance
+from flankload.contact.core_call import CORE_COUNTERS
+from flankload.contact.pair_table import COLUMNS
+from flankload.contact.sweep import sweep
+from flankload.elasticity.compliance.body_compliance import no_compliance
 from flankload.elasticity.prism.strip_field import StripField, mean_potential, strip_distances
+from flankload.errors import InputError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
+from flankload.pairing.friction import Friction
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import deviation, tree_of
 from tests.support.tolerances import SOLVER
@@ -99,9 +106,8 @@ def test_one_unknown_per_slice_beside_strips_of_the_height(monkeypatch: pytest.M
     pair = build_bodies(own)
     compliances = (compliance_of(pair.body_1, own), compliance_of(pair.body_2, own))
     contact = contact_of(own, pair, compliances)
-    reduced = conforming_slices(contact)
-    (found,) = conforming_sweep(reduced, contact, pair.position_rad, [TORQUE_NMM])
-    matrix, gaps = _of_strips(pair, compliances, reduced.gap_mm)
+    (found,) = sweep(contact, pair.position_rad, [TORQUE_NMM])
+    matrix, gaps = _of_strips(pair, compliances)
     base_mm = pair.body_1.base_radius_mm
     levers = np.full(gaps.size, base_mm)
     state = solve_contact_general(matrix, gaps.ravel(), levers, TORQUE_NMM)
@@ -114,7 +120,60 @@ def test_one_unknown_per_slice_beside_strips_of_the_height(monkeypatch: pytest.M
     assert found.slices.force_N[0].max() == pytest.approx(force.max(), rel=1e-2)
 
 
-def _of_strips(pair: Any, compliances: Any, gap_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def gap_by_axes(pair: Any, normal: np.ndarray, turn_rad: np.ndarray) -> np.ndarray:
+    """Gap (S, J) by offset and tilt of the hub's axis, along a normal of the shaft in its frame.
+
+    A rotation vector w of the hub moves the section at z, like its axis, by z (w_y, -w_x); the gap
+    is the component along the normal. `turn_rad` (S,): angles of the teeth of the shaft in space.
+    """
+    height = pair.slices.conforming
+    axis = np.outer(pair.slices.z_mm - height.middle_z_mm, height.tilt)
+    axis[:, 0] += pair.pairing.center_distance_mm
+    return np.asarray(turned(normal, turn_rad) @ axis.T)
+
+
+def test_the_core_solves_the_equations_of_the_slices() -> None:
+    """(S6) at each position, for offset and misaligned axes, crowned teeth and pitch errors."""
+    errors = np.round(5.0 * np.sin(1.7 * np.arange(TEETH)), 2).tolist()
+    keys = {"accuracy__slices": 6, "body_1__pitch_errors_um": errors, **CROWNED, **MISALIGNED}
+    own = scene(**keys, pair__center_offset_mm=0.01, positions__angles_deg=[0.0, 5.0])
+    pair = build_bodies(own)
+    contact = contact_of(own, pair, (compliance_of(pair.body_1, own), no_compliance(pair.body_2)))
+    none, found = sweep(contact, pair.position_rad, [0.0, TORQUE_NMM])
+    spread, compliance = reduced_compliance(contact)
+    slices, base_mm, site_angles = pair.slices, pair.body_1.base_radius_mm, pair.pairing
+    assert slices is not None
+    assert slices.conforming is not None
+    assert base_mm is not None
+    one, two = site_angles.site_angles_rad
+    alone = base_mm * (two - one)[:, None] + slices.removed_mm[0] + slices.removed_mm[1]
+    for p, turn in enumerate(pair.pairing.turns(pair.position_rad)[0]):
+        gaps = alone + gap_by_axes(pair, spread @ slices.conforming.normal, turn + one)
+        levers = np.full(gaps.size, base_mm)
+        state = solve_contact_general(compliance, gaps.ravel(), levers, TORQUE_NMM)
+        assert none.rotation_rad[p] == pytest.approx(gaps.min() / base_mm, rel=SOLVER)
+        assert found.rotation_rad[p] == pytest.approx(state.rotation, rel=SOLVER)
+        assert found.tangent_rad_per_Nmm[p] == pytest.approx(state.tangent[0, 0], rel=SOLVER)
+        assert found.slices is not None
+        forces, scale = found.slices.force_N[p].ravel(), state.normal_forces.max()
+        np.testing.assert_allclose(forces, state.normal_forces, atol=SOLVER * scale)
+        _, table = found.pairs.at(p)
+        left = table[:, COLUMNS.index("gap")]
+        np.testing.assert_allclose(left, state.final_gap_angles, atol=SOLVER * gaps.max())
+    assert found.counters[:, CORE_COUNTERS.index("pivots")].all()
+
+
+def test_conforming_slices_refuse_friction_and_finite_forces() -> None:
+    own = scene(accuracy__slices=2)
+    pair = build_bodies(own)
+    contact = contact_of(own, pair, (no_compliance(pair.body_1), no_compliance(pair.body_2)))
+    rubs = Friction(np.zeros(1), np.full((1, TEETH), 0.1))
+    for refused in ({"friction": rubs}, {"finite_steps": 2}):
+        with pytest.raises(InputError, match="slices along the face width"):
+            sweep(replace(contact, **refused), pair.position_rad, [TORQUE_NMM])
+
+
+def _of_strips(pair: Any, compliances: Any) -> tuple[np.ndarray, np.ndarray]:
     """Compliance and gaps (S, J, N) with an unknown on each strip of each slice."""
     slices, height = pair.slices, pair.slices.conforming
     sites, n, count = np.arange(TEETH), height.s_mm[0].size, slices.count
@@ -129,9 +188,9 @@ def _of_strips(pair: Any, compliances: Any, gap_mm: np.ndarray) -> tuple[np.ndar
         near = field.near[apart] + field.corners.sum(axis=0)
         matrix[sites, :, :, sites] += near.transpose(2, 0, 3, 1)
     turns = pair.pairing.turns(pair.position_rad)[0][0] + pair.pairing.site_angles_rad[0]
-    axis = height.axis_mm + np.outer(slices.z_mm - height.middle_z_mm, height.tilt)
-    own = np.stack([turned(normal, turns) @ axis.T for normal in height.normal], axis=-1)
-    return matrix.reshape(TEETH * count * n, -1), gap_mm[:, :, None] + own
+    own = np.stack([gap_by_axes(pair, normal, turns) for normal in height.normal], axis=-1)
+    removed = slices.removed_mm[0] + slices.removed_mm[1]
+    return matrix.reshape(TEETH * count * n, -1), removed[:, None] + own
 
 
 def test_distances_of_strips_have_the_mean_logarithm() -> None:
@@ -159,17 +218,14 @@ def test_mean_potential_far_and_near() -> None:
 def test_the_gap_by_an_exact_rotation(direction: float) -> None:
     """The hub is rotated in space about the middle of its width; straight lines of its flanks cut
     the section at z, and the gap is their displacement along the shaft's normal."""
-    angle, z = 1e-4, 5.0
-    pair = build_bodies(
-        scene(pair__misalignment_mrad=1e3 * angle, pair__misalignment_direction_deg=direction)
-    )
+    angle = 1e-4
+    tilted = {"pair__misalignment_mrad": 1e3 * angle, "pair__misalignment_direction_deg": direction}
+    pair = build_bodies(scene(**tilted))
     assert pair.slices is not None
     height = pair.slices.conforming
     assert height is not None
-    spread = np.zeros(height.s_mm[0].size)
-    spread[0] = 1.0
     teeth = pair.pairing.site_angles_rad[0]
-    found = height.gap_mm(teeth, np.array([z]), spread)[:, 0]
+    z, found = pair.slices.z_mm[-1], gap_by_axes(pair, height.normal[0], teeth)[:, -1]
     tilt = np.radians(direction)
     # leaning along (cos, sin) is a rotation about (-sin, cos)
     rotation = _rotation(np.array([-np.sin(tilt), np.cos(tilt), 0.0]), angle)

@@ -19,11 +19,11 @@ from flankload.analysis.estimate import (
     Estimate,
     estimate_errors,
 )
-from flankload.contact.sweep import Sweep
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of, swept
+from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
 from flankload.scene.discretization import DEFAULT, Discretization, Grid
 from tests.support.finer_solutions import compared
 from tests.support.random_scenes import scenes
@@ -203,7 +203,7 @@ def test_half_as_many_cells_give_an_error_of_second_order_exactly() -> None:
     scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
     pair = build_bodies(scene)
     compliances = tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2))
-    (limit,) = swept(contact_of(scene, pair, compliances), pair.position_rad, [302e3])
+    (limit,) = sweep(contact_of(scene, pair, compliances), pair.position_rad, [302e3])
     limit = replace(limit, site_corner=np.zeros_like(limit.site_corner))
     error = np.array([2e-3, -1e-3])
 
@@ -248,7 +248,7 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
     )
 
     def run(*, part: int = 0, **changes: Any) -> tuple[Sweep, ...]:
-        found = swept(contact_of(scene, pair, **changes), pair.position_rad, [302e3])
+        found = sweep(contact_of(scene, pair, **changes), pair.position_rad, [302e3])
         return tuple(replace(part, site_corner=np.ones_like(part.site_corner)) for part in found)
 
     grid, weights = pair.discretization.grid, np.array([0.5, 0.5])

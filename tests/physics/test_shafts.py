@@ -12,11 +12,11 @@ import pytest
 
 import flankload as fl
 from flankload.bodies.shaft import Shaft
-from flankload.contact.sweep import Sweep
+from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.from_sweep import shaft_loads
-from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of, swept
+from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.slices import Slices
 from flankload.result.optional_results import ShaftLoads
@@ -82,7 +82,7 @@ def on_shafts(pair: BodyPair, *shafts: np.ndarray | None) -> BodyPair:
 
 def run(pair: BodyPair, helix: float = 0.0, torque: float = TORQUE) -> Sweep:
     scene, _, compliances = prepared(helix)
-    (found,) = swept(contact_of(scene, pair, compliances), POSITIONS, [torque])
+    (found,) = sweep(contact_of(scene, pair, compliances), POSITIONS, [torque])
     return found
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload import _core
 from flankload.bodies.flank_surface import section_curves
+from flankload.contact.conforming import conforming_height
 from flankload.errors import InputError
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ PARTS = (
     "wedge_along",
     "shaft",
     "sections",
+    "height",
 )
 #: Value of the core for a curve end that is a cut, where contact cannot begin.
 CUT_CORNER = 2
@@ -80,6 +82,8 @@ def _mesh_record(contact: FlankContact) -> NDArray[np.float64]:
         ),
     )
     parts = _mesh_parts(pairing, contact.friction, slices)
+    if contact.conforms:
+        parts.append(("height", conforming_height(contact)))
     return _packed(_core.flankload_pack_mesh, arguments, parts)
 
 

@@ -52,3 +52,8 @@ class FlankContact:
     friction: Friction | None = None
     finite_steps: int = 0
     slices: Slices | None = None
+
+    @property
+    def conforms(self) -> bool:
+        """Whether flanks in slices conform over a common height."""
+        return self.slices is not None and self.slices.conforming is not None

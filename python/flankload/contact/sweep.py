@@ -245,7 +245,9 @@ def _over_slices(found: Sweep, slices: Slices) -> Sweep:
         site_peak_N_per_mm=peak.max(axis=2),
         site_corner=worst,
         site_force_per_torque=force.sum(axis=2) / (found.torque_Nmm or 1.0),
-        slices=SliceStates(force, peak, corner, slices.edges_mm),
+        slices=SliceStates(
+            force, peak, corner, slices.edges_mm, conforming=slices.conforming is not None
+        ),
         pairs=found.pairs.in_slices(slices.count),
     )
 
@@ -285,7 +287,8 @@ def _initial_capacity(contact: FlankContact) -> int:
     cells = contact.grid.zone_half_widths * contact.grid.strips_per_half_width
     if slices is not None:
         of_cells = int(min(sites, MESHING_FLANKS) * (2.0 * cells + LEAST_CELLS))
-        return slices.count * (2 * sites if contact.level == "lumped" else of_cells)
+        lumped = contact.level == "lumped" or contact.conforms
+        return slices.count * (2 * sites if lumped else of_cells)
     if not pairing.whole_circle:
         return sides * INITIAL_PAIRS
     return sides * max(INITIAL_PAIRS, int(PAIRS_PER_CELL * (cells + LEAST_CELLS) * sites))

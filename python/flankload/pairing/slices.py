@@ -118,8 +118,9 @@ class Slices:
         removed = self.of_teeth_mm[body]
         if removed is None:
             return np.zeros((sites.size, 1))
-        # the tooth after that of pair 0 comes into contact as pair -1
-        return np.asarray(-removed[-sites % len(removed)])
+        # the tooth after that of pair 0 comes into contact as pair -1; on a spline it is pair 1
+        entries = -sites if self.conforming is None else sites
+        return np.asarray(-removed[entries % len(removed)])
 
     def site_blocks(self, block: NDArray[np.int64]) -> NDArray[np.int64]:
         """Blocks (S * J, S * J) of a compliance for all slices from those of the sites (S, S)."""

@@ -25,6 +25,8 @@ TIP = np.array([20.0, 1.0, 0.3])
 #: All modes are polynomials over the width; end faces, twist, strengths of both ends.
 AXIAL = np.array([3.0, -1.0, 1.0, 1e-3, 1.3, 0.0])
 EDGES = ("slices", [-1.0, 0.0, 1.0])
+#: Place, length, normal, angle, tilt and compliance of a height of two sites.
+HEIGHT = [1.0, 2.0, 0.5, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 2e-6, 1e-6, 1e-6, 2e-6]
 #: Where a record has the place of the first part that every body has.
 FIRST = 7 + 2 * len(PARTS)
 #: A place is between both flanks, off each by half of the gap that closes.
@@ -110,6 +112,7 @@ def test_a_record_holds_what_was_packed() -> None:
         "turned": np.arange(MODES * BLOCKS, dtype=float),
         "wedge_along": np.array([0.0, -0.5]),
         "sections": np.concatenate([CURVE.coefficients.ravel(), CURVE.coefficients.ravel()]),
+        "height": np.array(HEIGHT),
     }
     assert set(parts) == set(PARTS)
     record = record_of(*parts.items())
@@ -246,6 +249,9 @@ def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
         (3, "slices", [0.0, NAN]),
         (2, "sections", np.zeros(CURVE.coefficients.size + 1)),
         (3, "sections", np.full(CURVE.coefficients.size, NAN)),
+        (3, "height", HEIGHT[:-1]),
+        (3, "height", [*HEIGHT[:2], 0.0, *HEIGHT[3:]]),
+        (3, "height", [*HEIGHT[:-2], 0.0, 1e-6]),
     ],
 )
 def test_refused_parts(argument: int, name: str, values: Any) -> None:

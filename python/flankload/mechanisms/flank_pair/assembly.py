@@ -253,7 +253,6 @@ def _coupling_slices(
     slices = slices_of(shapes, scene.accuracy.slices, 0.0)
     height = common_height(
         *bodies,
-        offset_mm=scene.pair.axes_apart_mm,
         misalignment_rad=scene.pair.misalignment_mrad / 1000.0,
         direction_rad=radians(scene.pair.misalignment_direction_deg),
         middle_z_mm=0.5 * float(slices.edges_mm[0] + slices.edges_mm[-1]),

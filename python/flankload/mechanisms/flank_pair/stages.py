@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
-from flankload.contact.conforming import sweep_splines
 from flankload.contact.flank_contact import FlankContact
-from flankload.contact.sweep import sweep
 from flankload.cost import Account, held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
@@ -31,14 +29,8 @@ from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
-
     from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.contact.sweep import Sweep
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
@@ -264,18 +256,6 @@ def contact_of(
         finite_steps=FINITE_STEPS if pair.effects.finite_influence else 0,
         slices=pair.slices,
     )
-
-
-def swept(
-    contact: FlankContact,
-    position_rad: NDArray[np.float64],
-    torques_Nmm: Sequence[float],
-    **options: Any,
-) -> tuple[Sweep, ...]:
-    """States at positions (P,) under torques on body 1; options as in `sweep`."""
-    splines = contact.slices is not None and contact.slices.conforming is not None
-    run = sweep_splines if splines else sweep
-    return run(contact, position_rad, torques_Nmm, **options)
 
 
 def prism_of(body: Body, scene: Scene) -> Prism:

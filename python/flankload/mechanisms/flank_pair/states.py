@@ -12,11 +12,11 @@ from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
-from flankload.contact.sweep import known_contacts
+from flankload.contact.sweep import known_contacts, sweep
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
-from flankload.mechanisms.flank_pair.stages import contact_of, swept
+from flankload.mechanisms.flank_pair.stages import contact_of
 from flankload.result.geometry import pair_geometry
 from flankload.result.position_order import order_of
 from flankload.scene.discretization import position_tolerance
@@ -77,16 +77,16 @@ def flank_states(
     """
     contact = contact_of(scene, pair, compliances)
     with clock.stage("sweep") as account:
-        run = partial(swept, contact, torques_Nmm=scene.torques_Nmm, account=account)
+        run = partial(sweep, contact, torques_Nmm=scene.torques_Nmm, account=account)
         try:
             pair, found, errors, rounds = _all_positions(scene, pair, run, clock)
         except ContactError as error:
             geometry = pair_geometry(pair, compliances)
-            alone = partial(swept, contact, pair.position_rad)
+            alone = partial(sweep, contact, pair.position_rad)
             blame_load(scene, pair, geometry, error, lambda torque: alone([torque]))
             raise
         account.bytes += held_bytes(found)
-    again = partial(swept, contact, pair.position_rad, keep_pairs=False)
+    again = partial(sweep, contact, pair.position_rad, keep_pairs=False)
     if scene.accuracy.tangents and not pair.effects.lumped_contact:
         # a lumped contact is solved with its tangent
         with clock.stage("tangent") as account:
@@ -107,7 +107,7 @@ def continued_states(
     """As `flank_states`, continued from those of a slightly different pair; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
     contact = contact_of(scene, pair, compliances)
-    run = partial(swept, contact, pair.position_rad)
+    run = partial(sweep, contact, pair.position_rad)
     with clock.stage("sweep") as account:
         known = known_contacts(similar.found)
         found = run(scene.torques_Nmm, known=known, account=account)
@@ -181,7 +181,7 @@ def error_estimates(
         if loaded:
 
             def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
-                return swept(
+                return sweep(
                     replace(states.contact, **other),
                     states.position_rad,
                     [found[t].torque_Nmm for t in loaded],
