@@ -19,8 +19,8 @@ from flankload.contact.body_record import records_of
 from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
 from flankload.scene.discretization import Grid
 from tests.benchmarks._core import BUILD

@@ -20,8 +20,8 @@ from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import Sweep, sweep
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from tests.support.paths import SCENES
 
 #: Positions at which two pairs of the spur scene carry: about half a pitch of 22.5 degrees, deg.
@@ -82,7 +82,7 @@ def peak_mb(name: str) -> float:
         "import resource, sys\n"
         "from tests.benchmarks.three_dimensions import scene_of\n"
         "from flankload.mechanisms.flank_pair.assembly import build_bodies\n"
-        "from flankload.mechanisms.flank_pair.stages import compliance_of\n"
+        "from flankload.mechanisms.elements import compliance_of\n"
         "scene = scene_of(sys.argv[1])\n"
         "pair = build_bodies(scene)\n"
         "both = [compliance_of(body, scene) for body in (pair.body_1, pair.body_2)]\n"

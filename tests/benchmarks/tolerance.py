@@ -22,13 +22,13 @@ from typing import Any
 import numpy as np
 
 import flankload as fl
-from flankload.mechanisms import run_once
+from flankload.mechanisms import mechanism_of, run_once
 from flankload.scene.discretization import Discretization, Grid, choose_discretization
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.pair import Positions
+from flankload.scene.steps import ELEMENTS
 from flankload.studies.accuracy.quantities import quantities_of
 from flankload.studies.accuracy.runs import Runs
-from flankload.studies.parameters import ELEMENTS, parameters_of
 from flankload.studies.tolerance_report import BOUND
 from tests.support.finer_solutions import true_errors
 from tests.support.random_scenes import SEED, scenes
@@ -176,7 +176,7 @@ def cheapest(
     scene: fl.Scene, result: fl.Result, tolerance: float, true: fl.Result
 ) -> tuple[float | None, dict[str, Any] | None]:
     """CPU seconds and knobs of the cheapest step of the ladder that meets a tolerance."""
-    length = parameters_of(scene).values[ELEMENTS]
+    length = mechanism_of(scene).parameters(scene).values[ELEMENTS]
     runs, truth = Runs(replace(scene, positions=_same(result))), quantities_of(true)
     best: tuple[float | None, dict[str, Any] | None] = (None, None)
     for part, bearable in LADDER.items():

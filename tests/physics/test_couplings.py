@@ -19,8 +19,9 @@ from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance.body_compliance import no_compliance
 from flankload.elasticity.prism.strip_field import StripField, mean_potential, strip_distances
 from flankload.errors import InputError
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
+from flankload.mechanisms.flank_pair.stages import contact_of
 from flankload.pairing.friction import Friction
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import deviation, tree_of

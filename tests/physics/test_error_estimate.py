@@ -22,8 +22,9 @@ from flankload.analysis.estimate import (
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
+from flankload.mechanisms.flank_pair.stages import contact_of
 from flankload.scene.discretization import DEFAULT, Discretization, Grid
 from tests.support.finer_solutions import compared
 from tests.support.random_scenes import scenes

@@ -10,8 +10,9 @@ import pytest
 
 import flankload as fl
 from flankload.elasticity.nodal_loads import linear_shapes
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import FINITE_STEPS, compliance_of
+from flankload.mechanisms.flank_pair.stages import FINITE_STEPS
 from flankload.pairing.body_pair import BodyPair
 from tests.support.gear_scenes import example
 from tests.support.solving import solve

@@ -169,12 +169,13 @@ def first_touch_mm(keys: dict, position_rad: float) -> float:
     modifications = modifications_of(spec, one, form, "body_1")
     ratio = ONE["teeth"] / TWO["teeth"]
     step = 2 * np.pi / ONE["teeth"]
-    turn_2 = pair.turn_2 - position_rad * ratio
+    turn_1, turn_2 = pair.pairing.turns_at_zero_rad
+    turn_2 -= position_rad * ratio
 
     def beyond(roll: np.ndarray, site: int, rotation: float) -> np.ndarray:
         """Distance of places of flank 1 from the mate's flank along the mate's normal, mm."""
         off = modifications.at(roll)[0]
-        angle = one.base_half_angle_rad - roll + pair.turn_1 + position_rad + rotation + site * step
+        angle = one.base_half_angle_rad - roll + turn_1 + position_rad + rotation + site * step
         length = one.base_radius_mm * roll - off
         x = one.base_radius_mm * np.cos(angle) - length * np.sin(angle) - DISTANCE
         y = one.base_radius_mm * np.sin(angle) + length * np.cos(angle)

@@ -13,8 +13,8 @@ import flankload as fl
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import mode_loads
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import (
     HELICAL,

@@ -12,8 +12,8 @@ import pytest
 import flankload as fl
 from flankload.elasticity import nodal_loads
 from flankload.elasticity.near_field import mode_loads
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from tests.support.gear_scenes import example
 from tests.support.nodal_position import NodalPosition
 from tests.support.solving import solve

@@ -17,8 +17,8 @@ from flankload.cost import Account
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.mechanisms import run_once
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.scene.mesh import ComplianceBody
 from flankload.scene.pair import Positions

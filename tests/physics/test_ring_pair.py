@@ -138,8 +138,8 @@ def test_meshes_of_both_bodies_give_the_result_of_the_parameters(
     pair = build_bodies(scene())
     given = deepcopy(REFERENCE["scene"]) | {"accuracy": {"estimate": False, "tangents": False}}
     for key, body, turn in (
-        ("body_1", pair.body_1, pair.turn_1),
-        ("body_2", pair.body_2, pair.turn_2),
+        ("body_1", pair.body_1, pair.pairing.turns_at_zero_rad[0]),
+        ("body_2", pair.body_2, pair.pairing.turns_at_zero_rad[1]),
     ):
         write_body(tmp_path / f"{key}.msh", body.mesh, turn_rad=turn)
         given[key] = {"kind": "mesh", "file": str(tmp_path / f"{key}.msh"), "teeth": body.teeth}

@@ -220,8 +220,8 @@ def test_a_misalignment_by_an_exact_rotation(name: str, key: str) -> None:
 def _gap_rad(pair: Any, z: float, angle: float, key: str) -> float:
     """Least angle between both flanks of pair 0 at z, body 2 rotated in space about its middle."""
     (s_1, s_2) = (np.linspace(*body.mode_range_mm, 4001) for body in (pair.body_1, pair.body_2))
-    flank_1 = _turned(pair.body_1.curve.point(s_1), pair.turn_1)
-    flank_2 = _turned(pair.body_2.curve.point(s_2), pair.turn_2)
+    flank_1 = _turned(pair.body_1.curve.point(s_1), pair.pairing.turns_at_zero_rad[0])
+    flank_2 = _turned(pair.body_2.curve.point(s_2), pair.pairing.turns_at_zero_rad[1])
     # straight teeth: the section at z is that at 0
     c, s = np.cos(angle), np.sin(angle)
     if key == "inclination":

@@ -14,9 +14,10 @@ import flankload as fl
 from flankload.bodies.shaft import Shaft
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.from_sweep import shaft_loads
-from flankload.mechanisms.flank_pair.stages import compliance_of, contact_of
+from flankload.mechanisms.flank_pair.stages import contact_of
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.slices import Slices
 from flankload.result.optional_results import ShaftLoads
@@ -77,7 +78,7 @@ def on_shafts(pair: BodyPair, *shafts: np.ndarray | None) -> BodyPair:
         assert body.axial is not None
         shaft = None if rows is None else Shaft(rows, 0.0, np.zeros((0, 3, 6)))
         bodies.append(replace(body, axial=replace(body.axial, shaft=shaft)))
-    return replace(pair, body_1=bodies[0], body_2=bodies[1])
+    return pair.with_mesh(bodies=(bodies[0], bodies[1]))
 
 
 def run(pair: BodyPair, helix: float = 0.0, torque: float = TORQUE) -> Sweep:
@@ -147,7 +148,7 @@ def test_shafts_are_gaps_that_follow_the_forces(helix: float, which: tuple[bool,
     rigid = run(pair, helix)
     for p in range(POSITIONS.size):
         gaps = recession(held, found, p)
-        by_hand = run(replace(pair, slices=WithGaps(**vars(pair.slices), gap_mm=gaps)), helix)
+        by_hand = run(pair.with_mesh(slices=WithGaps(**vars(pair.slices), gap_mm=gaps)), helix)
         turned = found.rotation_rad[p] - rigid.rotation_rad[p]
         assert turned > 0.01 * rigid.rotation_rad[p]
         np.testing.assert_allclose(
@@ -228,7 +229,7 @@ def test_the_tilt_is_a_helix_slope() -> None:
     for p, slope in enumerate(tilt):
         gap = slope / 1000.0 * (pair.slices.z_mm - pair.slices.z_mm[0])
         sloped = replace(pair.slices, removed_mm=(gap, np.zeros_like(gap)))
-        wanted = run(replace(pair, slices=sloped)).slices.force_N[p]
+        wanted = run(pair.with_mesh(slices=sloped)).slices.force_N[p]
         np.testing.assert_allclose(
             found.slices.force_N[p], wanted, rtol=0.0, atol=5.0 * SETTLED * wanted.max()
         )

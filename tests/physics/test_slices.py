@@ -14,8 +14,8 @@ from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance
 from flankload.errors import InputError
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.friction import Friction
 from flankload.pairing.slices import Slices

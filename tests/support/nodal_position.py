@@ -16,8 +16,8 @@ import flankload as fl
 from flankload import _core
 from flankload.bodies import Body
 from flankload.elasticity.near_field import mode_values
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from tests.support.cells_near_field import cells_near_field
 from tests.support.paths import ROOT, SCENES
 

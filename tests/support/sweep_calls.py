@@ -11,8 +11,8 @@ import flankload as fl
 from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.pairing import Pairing
 from tests.support.gear_pair import GEARS

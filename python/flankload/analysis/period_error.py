@@ -80,7 +80,6 @@ class OtherTeeth:
 
     pair: BodyPair
     compliances: tuple[BodyCompliance, BodyCompliance]
-    face_width_mm: float
     window: Window
 
     @property
@@ -108,7 +107,7 @@ class OtherTeeth:
                 total += (by_tooth - by_tooth[0])[steps[z] * number % self.teeth[z]]
         pitch = (position - position[0]) / self.window.pitch_rad
         total[number[:, None] + round_down(pitch) >= self.pitches] = np.nan
-        return total / (self.face_width_mm * found.torque_Nmm)
+        return total / (self.pair.face_width_mm * found.torque_Nmm)
 
     def _work(self, found: Sweep, z: int) -> Floats:
         """(teeth, P) F'KF (N² mm²/N) of the forces on body z, shifted by each number of teeth."""

@@ -42,10 +42,7 @@ SHORT = 1e-6
 
 
 def tip_error(
-    found: Sweep,
-    pair: BodyPair,
-    compliances: tuple[BodyCompliance, BodyCompliance],
-    face_width_mm: float,
+    found: Sweep, pair: BodyPair, compliances: tuple[BodyCompliance, BodyCompliance]
 ) -> dict[str, RemainingError]:
     """Errors by inclined forces in the quantities of a sweep, which has its pairs.
 
@@ -60,7 +57,7 @@ def tip_error(
         if compliances[z].modes.nodes is None:
             on_body = _lost_displacement(found, pair, compliances[z], z)
             for whole, part in zip((turned, between), on_body, strict=True):
-                whole += part / face_width_mm
+                whole += part / pair.face_width_mm
     if not turned.any():
         return {}
     changes = _changes(found, turned, between)

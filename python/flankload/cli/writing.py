@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from argparse import Namespace
     from pathlib import Path
 
-    from flankload.scene import Scene
-
 
 def scene(arguments: Namespace) -> None:
     """Read the model; write the scene of a stage and print what it lacks, or print the stages."""
@@ -60,14 +58,14 @@ def mesh(arguments: Namespace) -> None:
     folder: Path = arguments.folder
     check_outputs([], [("-o", folder, "both meshes", ())])
     scene = scene_of(arguments)
-    bodies = (folder / f"body_{z}.{arguments.format}" for z in (1, 2))
-    check_apart((Output("-o", path) for path in bodies), scene)
     from flankload.bodies.imported.body_file import write_body
     from flankload.mechanisms.registry import mechanism_of
     from flankload.studies.tolerance import first_scene
 
-    scene = first_scene(scene)
-    meshes = list(mechanism_of(scene).meshes(scene))
+    mechanism = mechanism_of(scene)
+    paths = (folder / f"{name}.{arguments.format}" for name in mechanism.body_names)
+    check_apart((Output("-o", path) for path in paths), scene)
+    meshes = list(mechanism.mesh_files(first_scene(scene)))
     if any(item.mesh is not None for item in meshes):
         folder.mkdir(parents=True, exist_ok=True)
     for item in meshes:
@@ -84,44 +82,21 @@ def compliance(arguments: Namespace) -> None:
     folder: Path = arguments.folder
     check_outputs([], [("-o", folder, "both files", ())])
     scene = scene_of(arguments)
-    check_apart((Output("-o", folder / f"body_{z}.npz") for z in (1, 2)), scene)
-    if not (scene.is_drive or scene.body_2.has_teeth):
-        expected = "bodies with teeth: no scene could read the file of a cam"
-        refuse("body_2.kind", expected, "'cam'", scene.file)
-    if scene.effects.near_field == "nodes":
-        expected = "'analytic': the files hold pressure modes"
-        refuse("effects.near_field", expected, "'nodes'", scene.file)
-    from flankload.scene.effects import require_plane
-
-    require_plane(scene, "the files hold the compliance of plane bodies")
     from flankload.base.array_archive import archive_of
     from flankload.base.files import write_atomically
-    from flankload.elasticity.modal_arrays import modal_arrays
-    from flankload.mechanisms.flank_pair.assembly import build_bodies
-    from flankload.mechanisms.flank_pair.stages import compliance_of
+    from flankload.mechanisms.registry import mechanism_of
 
-    pair = build_bodies(scene)
+    mechanism = mechanism_of(scene)
+    check_apart((Output("-o", folder / f"{name}.npz") for name in mechanism.body_names), scene)
     files: dict[str, bytes] = {}
     said = []
-    for name, body in (("body_1", pair.body_1), ("body_2", pair.body_2)):
-        if body.rigid:
-            said.append(f"{name}: rigid, so it has no compliance")
+    for found in mechanism.compliance_files(scene):
+        if found.arrays is None:
+            said.append(f"{found.name}: {found.words}")
             continue
-        found = compliance_of(body, scene)
-        arrays = modal_arrays(body, found, plane=scene.accuracy.plane)
-        files[f"{name}.npz"] = archive_of(arrays)
-        said.append(
-            f"{folder / name}.npz: {body.teeth} teeth, {found.smooth.shape[1]} pressure modes, "
-            f"plane {scene.accuracy.plane}{_less_than_whole(scene)}"
-        )
+        files[f"{found.name}.npz"] = archive_of(found.arrays)
+        said.append(f"{folder / found.name}.npz: {found.words}")
     folder.mkdir(parents=True, exist_ok=True)
     for file, content in files.items():
         write_atomically(folder / file, content)
     print("\n".join(said))
-
-
-def _less_than_whole(scene: Scene) -> str:
-    """Note on the part of a body that the scene omits, which the file omits too."""
-    if scene.sectors is None:
-        return "" if scene.effects.tooth_coupling else ", without coupling between teeth"
-    return ", of a single tooth" if scene.sectors == 1 else f", of {scene.sectors} teeth"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from math import degrees
 from pathlib import Path
@@ -22,7 +22,7 @@ from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.mechanisms.flank_pair.loaded_bodies import FieldBody, SolidBody
+    from flankload.mechanisms.protocol import FieldsOfBody
 
 
 #: Name of the collection in each folder.
@@ -81,18 +81,16 @@ def write_vtu(
         if would_replace(Path(folder), NAMES, file):
             expected = f"a folder whose files do not replace {file} (that of {key})"
             refuse("folder", expected, str(folder))
-    reason = mechanism_of(scene).no_flanks_reason
-    if reason is not None:
-        return (f"no fields: the scene has {reason}",)
-    from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
-
-    bodies = field_bodies(_as_solved(scene))
+    mechanism = mechanism_of(scene)
+    if mechanism.no_flanks_reason is not None:
+        return (f"no fields: the scene has {mechanism.no_flanks_reason}",)
+    bodies = mechanism.fields_of_bodies(_as_solved(scene))
     for result in several:
         part = f"torque_{result.torque_Nm:.15g}_Nm" if len(several) > 1 else ""
         _write_torque(Path(folder) / part, result, bodies, chosen)
     places = f"{len(chosen)} position{'s' * (len(chosen) != 1)}"
     counts = {name: found for name, found in bodies.items() if not isinstance(found, str)}
-    lines = {n: f"{len(one.loaded.nodes)} nodes at {places}" for n, one in counts.items()}
+    lines = {n: f"{one.section_nodes} nodes at {places}" for n, one in counts.items()}
     return tuple(f"{name}: {lines.get(name, found)}" for name, found in bodies.items())
 
 
@@ -122,7 +120,7 @@ def _as_solved(scene: Scene) -> Scene:
 def _write_torque(
     folder: Path,
     result: Result,
-    bodies: dict[str, FieldBody | SolidBody | str],
+    bodies: Mapping[str, FieldsOfBody | str],
     positions: Sequence[int],
 ) -> None:
     """Write the files of one torque; the collection is the last one."""
@@ -155,7 +153,7 @@ def _write_torque(
     )
 
 
-def _fields_of(body: FieldBody | SolidBody, result: Result, p: int) -> bytes:
+def _fields_of(body: FieldsOfBody, result: Result, p: int) -> bytes:
     """Content of the file of a body at a position."""
     fields = body.at(result, p)
     values = {

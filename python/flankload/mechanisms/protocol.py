@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from flankload.bodies import SectorMesh, WholeMesh
+    from numpy.typing import NDArray
+
+    from flankload.base.arrays import Floats, Numbers
+    from flankload.bodies import Body, SectorMesh, WholeMesh
     from flankload.cost import Account
     from flankload.mechanisms.data_sheet import DataSheet
+    from flankload.mechanisms.parameters import Parameters
     from flankload.mechanisms.premises import Broken
     from flankload.mechanisms.reuse import Parts
-    from flankload.mechanisms.stage_clock import StageClock
+    from flankload.mechanisms.stage_clock import Kept, StageClock
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
@@ -60,6 +67,97 @@ class MeshFile:
     turn_rad: float = 0.0
 
 
+@dataclass(frozen=True)
+class ComplianceFile:
+    """Compliance of a body, as written by `flankload compliance`.
+
+    Attributes
+    ----------
+    name : str
+        Name of the body.
+    arrays : mapping of str to array, or None
+        Content of the file; None if the body has no compliance.
+    words : str
+        Summary of the file, or the reason for no file.
+    """
+
+    name: str
+    arrays: Mapping[str, NDArray[Any]] | None
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class NodalFields:
+    """Fields at the M nodes of a body at one position, in the world frame.
+
+    Attributes
+    ----------
+    points_mm : (M, 2) array; (M, 3) in three dimensions
+        Undeformed positions.
+    displacement_mm : array of that shape
+        Due to the contact forces; not to temperature, speed, a press fit or shafts.
+    stress_MPa : (M, 4) array; (M, 6)
+        xx, yy, zz, xy, then yz, xz; averaged over the elements of a node.
+    contact_pressure_MPa : (M,) array
+        Normal force of a flank node divided by its area; 0 elsewhere.
+    force_N : array of the shape of the positions
+        Consistent nodal forces of the contacts, over the face width.
+    """
+
+    points_mm: Floats
+    displacement_mm: Floats
+    stress_MPa: Floats
+    contact_pressure_MPa: Floats
+    force_N: Floats
+
+    @property
+    def von_mises_MPa(self) -> Floats:
+        """(M,) Equivalent stress."""
+        xx, yy, zz, *shear = self.stress_MPa.T
+        apart = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+        return np.asarray(np.sqrt(0.5 * apart + 3.0 * sum(part**2 for part in shear)))
+
+
+class FieldsOfBody(Protocol):
+    """Elements of a body, and their fields under the contact forces of results."""
+
+    @property
+    def cells(self) -> tuple[tuple[str, Numbers], ...]:
+        """Elements, by index of the points of the fields."""
+
+    @property
+    def section_nodes(self) -> int:
+        """Number of nodes of a section."""
+
+    def at(self, result: Result, p: int) -> NodalFields:
+        """Fields of a result of the scene at position p."""
+
+
+class Assembly(Protocol):
+    """A drive before its elements are solved.
+
+    Attributes
+    ----------
+    position_rad : (P,) array
+    bodies : tuple of Body
+        In the order of `Mechanism.body_names`; empty if they have no flanks.
+    meshes : tuple of GearMesh
+        Contacts of two bodies each; empty if they have no flanks.
+    """
+
+    @property
+    def position_rad(self) -> Floats:
+        """(P,) Angles of body 1."""
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Bodies with flanks."""
+
+    @property
+    def meshes(self) -> tuple[GearMesh, ...]:
+        """Contacts of two of these bodies each."""
+
+
 class States(Protocol):
     """States of a drive at all positions."""
 
@@ -68,18 +166,27 @@ class States(Protocol):
         """States in the form of the drive, one entry per torque."""
 
 
-class Mechanism(Protocol):
-    """A kind of drive, stage by stage.
+#: Types of a kind of drive: its assembly, the compliances of its bodies, its states.
+A = TypeVar("A", bound=Assembly)
+C = TypeVar("C")
+S = TypeVar("S", bound=States)
 
-    Each drive has its own types for assembly, compliances and states; later methods receive what
-    earlier methods return.
+
+class Mechanism(Protocol[A, C, S]):
+    """A kind of drive, stage by stage; later methods receive what earlier methods return.
 
     Attributes
     ----------
+    body_names : tuple of str
+        Tables of the bodies in the scene; stages and kept compliances are those of these names.
     no_flanks_reason : str or None
         None if both bodies are `Body` objects with flanks and elements; otherwise the kind of body
         2 and the reason why they have none, as error lines show them after "found".
     """
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Tables of the bodies in the scene."""
 
     @property
     def no_flanks_reason(self) -> str | None:
@@ -91,13 +198,16 @@ class Mechanism(Protocol):
         discretization: Discretization | None,
         account: Account,
         parts: Parts | None = None,
-    ) -> Any:
+        *,
+        modified_elements: bool = False,
+    ) -> A:
         """Assemble the bodies without solving elements; a SceneError names an impossible input.
 
-        Parts of earlier runs may be reused where a call would have the same arguments.
+        Parts of earlier runs may be reused where a call would have the same arguments. With
+        `modified_elements`, elements follow the modified flanks, for another program.
         """
 
-    def work(self, scene: Scene, assembly: Any) -> Counted:
+    def work(self, scene: Scene, assembly: A) -> Counted:
         """Counters by stage that are known before a run."""
 
     def sweeps(self, scene: Scene) -> int:
@@ -106,12 +216,12 @@ class Mechanism(Protocol):
     def compliances(
         self,
         scene: Scene,
-        assembly: Any,
+        assembly: A,
         clock: StageClock,
-        kept: MutableMapping[int, tuple[Any, Account]],
+        kept: Kept,
         parts: Parts | None = None,
-    ) -> tuple[Any, Any]:
-        """Solve the elements of both bodies not in `kept`; return the completed assembly too.
+    ) -> tuple[A, C]:
+        """Solve the elements of the bodies not in `kept`; return the completed assembly too.
 
         A compliance that is found in `parts` has no stage and no cost.
         """
@@ -119,41 +229,42 @@ class Mechanism(Protocol):
     def states(
         self,
         scene: Scene,
-        assembly: Any,
-        compliances: Any,
+        assembly: A,
+        compliances: C,
         clock: StageClock,
         similar: States | None = None,
         *,
         unloaded: bool = True,
-    ) -> tuple[Any, States]:
+    ) -> tuple[A, S]:
         """States under all torques, and the assembly at all their positions.
 
         Those of a scene that differs by a small step may be continued. Without `unloaded`, the
         state without torque is not solved.
         """
 
-    def broken_by_geometry(self, assembly: Any) -> Iterable[Broken]:
+    def broken_by_geometry(self, assembly: A) -> Iterable[Broken]:
         """Premises that the geometry violates without load."""
 
-    def broken_by_load(
-        self, scene: Scene, assembly: Any, states: Any, number: int
-    ) -> Iterable[Broken]:
+    def broken_by_load(self, scene: Scene, assembly: A, states: S, number: int) -> Iterable[Broken]:
         """Premises that the torque with this index violates."""
 
     def estimates(
-        self, scene: Scene, assembly: Any, compliances: Any, states: Any, clock: StageClock
+        self, scene: Scene, assembly: A, compliances: C, states: S, clock: StageClock
     ) -> Sequence[Mapping[str, object] | None]:
         """Error estimates, one per torque; None without torque."""
 
     def results(
         self,
         scene: Scene,
-        assembly: Any,
-        compliances: Any,
-        states: Any,
+        assembly: A,
+        compliances: C,
+        states: S,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
         """Results, one per torque; `cost` contains the part of this torque."""
+
+    def parameters(self, scene: Scene, parts: Parts | None = None) -> Parameters:
+        """Discretization parameters; bodies are built only if their files determine these."""
 
     def describe(self, scene: Scene) -> Description:
         """Describe the interpreted scene."""
@@ -161,5 +272,11 @@ class Mechanism(Protocol):
     def data_sheet(self, scene: Scene) -> DataSheet:
         """Drawing data of the bodies, computed from them."""
 
-    def meshes(self, scene: Scene) -> Iterator[MeshFile]:
+    def mesh_files(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the bodies at position zero."""
+
+    def compliance_files(self, scene: Scene) -> Iterator[ComplianceFile]:
+        """Compliances of the bodies; a SceneError if no file can hold them."""
+
+    def fields_of_bodies(self, scene: Scene) -> Mapping[str, FieldsOfBody | str]:
+        """Bodies with elements for the contact forces of results; otherwise the reason for none."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
 
@@ -16,11 +16,12 @@ REGISTRY = {"belt": "belt", "chain": "chain"}
 OTHERS = "flank_pair"
 
 
-def mechanism_of(scene: Scene) -> Mechanism:
+def mechanism_of(scene: Scene) -> Mechanism[Any, Any, Any]:
     """Kind of drive of a scene."""
     package = REGISTRY.get(scene.body_2.kind, OTHERS)
-    mechanism: Mechanism = import_module(f"flankload.mechanisms.{package}.mechanism").MECHANISM
-    return mechanism
+    found: Mechanism[Any, Any, Any]
+    found = import_module(f"flankload.mechanisms.{package}.mechanism").MECHANISM
+    return found
 
 
 def require_flanks(scene: Scene) -> None:

@@ -54,7 +54,7 @@ def prepare(scene: Scene, parts: Parts) -> None:
     Bodies and compliances are added to `parts`. Raises SceneError if the scene is impossible.
     """
     mechanism = mechanism_of(scene)
-    clock = StageClock(None, mechanism.sweeps(scene), {})
+    clock = StageClock(None, mechanism.body_names, mechanism.sweeps(scene), {})
     built = mechanism.build(scene, None, clock.account("bodies"), parts)
     if mechanism.no_flanks_reason is None:  # the other drives reuse nothing
         mechanism.compliances(scene, built, clock, {}, parts)
@@ -74,7 +74,7 @@ def run_once(
 
     Parameters
     ----------
-    kept : mapping of 0 and 1 to compliance and Account, optional
+    kept : mapping of "body_1", … to compliance and Account, optional
         Compliances from another scene of the same bodies and discretization; their cost counts as
         if it were spent here. Missing ones are computed and added.
     progress : callable, optional
@@ -94,7 +94,7 @@ def run_once(
         If a position has no solution, or the plan belongs to another scene.
     """
     mechanism, earlier = mechanism_of(scene), earlier or Earlier()
-    clock = StageClock(progress, mechanism.sweeps(scene), earlier.stages)
+    clock = StageClock(progress, mechanism.body_names, mechanism.sweeps(scene), earlier.stages)
     with clock.stage("bodies") as account:
         built = mechanism.build(scene, discretization, account, earlier.parts)
         by_geometry = require_premises(scene, mechanism.broken_by_geometry(built))

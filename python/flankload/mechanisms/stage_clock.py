@@ -11,28 +11,33 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 Progress = Callable[[str, int, int], None]
-#: Compliance of body 1 (0) and body 2 (1), each with its cost.
-Kept = MutableMapping[int, tuple[Any, Account]]
+#: Compliance of each body by the name of its table in the scene, with its cost.
+Kept = MutableMapping[str, tuple[Any, Account]]
 
-#: Progress steps for the bodies, the finite elements of each body, and each sweep.
-BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS = 1, 50, 200
+#: Progress steps for the bodies, the finite elements of all bodies, and each sweep.
+BODY_STEPS, COMPLIANCE_STEPS, SWEEP_STEPS = 1, 100, 200
 #: Progress steps before the first sweep.
-FIXED_STEPS = BODY_STEPS + 2 * COMPLIANCE_STEPS
+FIXED_STEPS = BODY_STEPS + COMPLIANCE_STEPS
 #: Progress steps completed at the beginning of a stage.
 STEPS_BEFORE = {
     "plan": 0,
     "bodies": 0,
-    "compliance body 1": BODY_STEPS,
-    "compliance body 2": BODY_STEPS + COMPLIANCE_STEPS,
     "sweep": FIXED_STEPS,
     "tangent": FIXED_STEPS + SWEEP_STEPS,
     "estimate": FIXED_STEPS + 2 * SWEEP_STEPS,
 }
+#: Beginning of the names of stages of finite elements.
+ELEMENTS = "compliance "
+
+
+def elements_stage(body: str) -> str:
+    """Stage of the finite elements of a body, by the name of its table in the scene."""
+    return ELEMENTS + body.replace("_", " ")
 
 
 def end_of_phase(stage: str, total: int) -> int:
     """Steps completed when the phase of a stage ends: finite elements, or states."""
-    return FIXED_STEPS if stage.startswith("compliance") else total
+    return FIXED_STEPS if stage.startswith(ELEMENTS) else total
 
 
 class StageClock:
@@ -42,6 +47,8 @@ class StageClock:
     ----------
     progress : callable or None
         Called as progress(stage, done, total).
+    bodies : tuple of str
+        Names of the bodies, in the order of their stages.
     sweeps : int
         Largest number of sweeps over the positions.
     stages : mapping of str to Account
@@ -49,16 +56,24 @@ class StageClock:
     """
 
     def __init__(
-        self, progress: Progress | None, sweeps: int, stages: Mapping[str, Account]
+        self,
+        progress: Progress | None,
+        bodies: tuple[str, ...],
+        sweeps: int,
+        stages: Mapping[str, Account],
     ) -> None:
         self.stages: dict[str, Account] = dict(stages)
+        self._part = COMPLIANCE_STEPS // len(bodies)  # of a body
+        self._before = STEPS_BEFORE | {
+            elements_stage(body): BODY_STEPS + k * self._part for k, body in enumerate(bodies)
+        }
         self._progress = progress
         self._total = FIXED_STEPS + sweeps * SWEEP_STEPS
         self._last = ("", 0)
 
     def stage(self, name: str) -> Account:
         """Report the beginning of a stage and return its account."""
-        self.report(name, STEPS_BEFORE.get(name, self._total))
+        self.report(name, self._before.get(name, self._total))
         return self.account(name)
 
     def account(self, name: str) -> Account:
@@ -73,7 +88,7 @@ class StageClock:
 
     def part_progress(self, name: str) -> Callable[[float], None]:
         """Progress of the elements of a body, by the completed part of their work."""
-        return lambda part: self.report(name, STEPS_BEFORE[name] + int(part * COMPLIANCE_STEPS))
+        return lambda part: self.report(name, self._before[name] + int(part * self._part))
 
     def sweep_progress(
         self, name: str, *, sweep: int = 0, number: int | None = None
@@ -83,7 +98,7 @@ class StageClock:
         `sweep` is the number of earlier sweeps of the stage, `number` the index of a round of
         positions; the number of rounds is unknown, so each counts as half of the remaining one.
         """
-        before = STEPS_BEFORE[name] + sweep * SWEEP_STEPS
+        before = self._before[name] + sweep * SWEEP_STEPS
         left, part = (1.0, 1.0) if number is None else (0.5**number, 0.5 ** (number + 1))
 
         def report(done: int, total: int) -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
 from flankload.mechanisms.premises import Torque, broken_by_turn, largest_turn
 from flankload.mechanisms.protocol import Description
+from flankload.mechanisms.registry import require_flanks
+from flankload.mechanisms.scene_bodies import PAIR
 from flankload.result.result import Result
 from flankload.scene.usual import question_notes
 
@@ -17,16 +19,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flankload.base.arrays import Floats
+    from flankload.bodies import Body
     from flankload.cost import Account
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Rows
+    from flankload.mechanisms.protocol import ComplianceFile, FieldsOfBody, MeshFile, Rows
     from flankload.mechanisms.reuse import Parts
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
 
 
 @dataclass(frozen=True)
-class WrappedAssembly:
+class WrappedAssembly(ABC):
     """Positions of a wheel.
 
     Attributes
@@ -39,6 +43,21 @@ class WrappedAssembly:
 
     position_rad: Floats
     pitches: int | None
+
+    @property
+    @abstractmethod
+    def pitch_rad(self) -> float:
+        """Angle between adjacent teeth."""
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """None: a belt or a chain has no flanks, nor has its wheel."""
+        return ()
+
+    @property
+    def meshes(self) -> tuple[GearMesh, ...]:
+        """None, for the same reason."""
+        return ()
 
 
 @dataclass(frozen=True)
@@ -75,6 +94,11 @@ def tight_tensions(scene: Scene, pitch_radius_mm: float) -> Floats:
     return np.array(scene.torques_Nmm) / pitch_radius_mm + slack_of(scene)
 
 
+#: Types of a belt or a chain.
+A = TypeVar("A", bound=WrappedAssembly)
+S = TypeVar("S", bound=WrappedStates)
+
+
 class Sites:
     """Teeth or rollers on the wheel at P positions, with common numbers.
 
@@ -103,7 +127,7 @@ class Sites:
 
 def wrapped_result(
     scene: Scene,
-    assembly: Any,
+    assembly: WrappedAssembly,
     number: int,
     sites: Sites,
     force_N: Sequence[Floats],
@@ -131,23 +155,25 @@ def wrapped_result(
     )
 
 
-class WrappedMechanism(ABC):
+class WrappedMechanism(ABC, Generic[A, S]):
     """Stages that are the same for belts and chains."""
 
+    body_names = PAIR
+
     @abstractmethod
-    def assemble(self, scene: Scene) -> Any:
+    def assemble(self, scene: Scene) -> A:
         """Assembly of a scene, whose discretization follows from it."""
 
     @abstractmethod
-    def stiffness(self, assembly: Any, states: Sequence[Any]) -> Floats:
+    def stiffness(self, assembly: A, states: Sequence[Any]) -> Floats:
         """(P,) Tangent stiffness at the positions, N m/rad; NaN if nothing rotates."""
 
     @abstractmethod
     def result(
         self,
         scene: Scene,
-        assembly: Any,
-        states: Any,
+        assembly: A,
+        states: S,
         number: int,
         estimate: Mapping[str, object] | None,
     ) -> Result:
@@ -163,7 +189,9 @@ class WrappedMechanism(ABC):
         discretization: Discretization | None,
         account: Account,
         parts: Parts | None = None,
-    ) -> Any:
+        *,
+        modified_elements: bool = False,
+    ) -> A:
         """Assemble wheel and strand; nothing is reused."""
         return self.assemble(scene)
 
@@ -171,13 +199,11 @@ class WrappedMechanism(ABC):
         """Number of sweeps: all positions, and the few positions of the estimate."""
         return 1
 
-    def broken_by_geometry(self, assembly: Any) -> Iterator[Broken]:
+    def broken_by_geometry(self, assembly: A) -> Iterator[Broken]:
         """None: the geometry violates no premise."""
         yield from ()
 
-    def broken_by_load(
-        self, scene: Scene, assembly: Any, states: Any, number: int
-    ) -> Iterator[Broken]:
+    def broken_by_load(self, scene: Scene, assembly: A, states: S, number: int) -> Iterator[Broken]:
         """Premises that a torque violates: small displacements."""
         stiffness = self.stiffness(assembly, states.found[number])
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -187,9 +213,9 @@ class WrappedMechanism(ABC):
     def results(
         self,
         scene: Scene,
-        assembly: Any,
-        compliances: Any,
-        states: Any,
+        assembly: A,
+        compliances: object,
+        states: S,
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
         """Results, one per torque."""
@@ -201,3 +227,18 @@ class WrappedMechanism(ABC):
     def describe(self, scene: Scene) -> Description:
         """Describe wheel, strand, load and effects."""
         return Description(self.rows(scene), question_notes(scene))
+
+    def mesh_files(self, scene: Scene) -> Iterator[MeshFile]:
+        """Neither body has finite elements: a SceneError."""
+        require_flanks(scene)
+        yield from ()
+
+    def compliance_files(self, scene: Scene) -> Iterator[ComplianceFile]:
+        """Neither body has pressure modes: a SceneError."""
+        require_flanks(scene)
+        yield from ()
+
+    def fields_of_bodies(self, scene: Scene) -> dict[str, FieldsOfBody | str]:
+        """Neither body has fields: a SceneError."""
+        require_flanks(scene)
+        return {}

@@ -1,9 +1,9 @@
-"""The two bodies of a scene with their pairing and options, before finite elements."""
+"""The assembly of two bodies with the options of a run, before finite elements."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,10 +13,35 @@ if TYPE_CHECKING:
     from flankload.bodies.root_fillet import RootFillets
     from flankload.pairing.expansion import BodyLoad
     from flankload.pairing.friction import Friction
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Discretization
     from flankload.scene.effects import Effects
+
+
+@dataclass(frozen=True)
+class BodyJob:
+    """Purposes for which the elements of a body are solved.
+
+    Attributes
+    ----------
+    elastic : bool
+        Whether the body is elastic under contact forces.
+    fillets : RootFillets or None
+        Root fillets, if their stress is requested.
+    body_load : BodyLoad or None
+        Causes of thermal and centrifugal expansion, if any.
+    """
+
+    elastic: bool
+    fillets: RootFillets | None = None
+    body_load: BodyLoad | None = None
+
+    @property
+    def needs_elements(self) -> bool:
+        """Whether elements are solved for any purpose."""
+        return self.elastic or (self.body_load is not None and self.body_load.needs_elements)
 
 
 @dataclass(frozen=True)
@@ -25,8 +50,8 @@ class BodyPair:
 
     Attributes
     ----------
-    body_1, body_2 : Body
-    pairing : Pairing
+    mesh : GearMesh
+    jobs : (BodyJob, BodyJob)
     discretization : Discretization
     effects : Effects
     position_rad : (P,) array
@@ -39,21 +64,12 @@ class BodyPair:
         Positions are added adaptively.
     notes : tuple of str
         Remarks on the bodies and the pair for the user.
-    friction : Friction or None
-        None if the scene has no friction.
-    fillets : two RootFillets or None
-        Root fillets of both bodies, if the root stress is requested.
-    body_loads : two BodyLoad or None
-        Causes of thermal and centrifugal expansion of both bodies, if any.
     flank_distance_note : str or None
         Note on the distance of flanks whose angles follow from files.
-    slices : Slices or None
-        Slices of the common face width of three-dimensional bodies.
     """
 
-    body_1: Body
-    body_2: Body
-    pairing: Pairing
+    mesh: GearMesh
+    jobs: tuple[BodyJob, BodyJob]
     discretization: Discretization
     effects: Effects
     position_rad: NDArray[np.float64]
@@ -61,21 +77,56 @@ class BodyPair:
     closed: bool
     adaptive: bool
     notes: tuple[str, ...]
-    friction: Friction | None = None
-    fillets: tuple[RootFillets | None, RootFillets | None] = (None, None)
-    body_loads: tuple[BodyLoad | None, BodyLoad | None] = (None, None)
     flank_distance_note: str | None = None
-    slices: Slices | None = None
+
+    @property
+    def meshes(self) -> tuple[GearMesh, ...]:
+        """The only contact of two bodies."""
+        return (self.mesh,)
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Tables of both bodies in the scene."""
+        return self.mesh.names
 
     @property
     def bodies(self) -> tuple[Body, Body]:
         """Both bodies."""
-        return self.body_1, self.body_2
+        return self.mesh.bodies
 
     @property
-    def elastic(self) -> tuple[bool, bool]:
-        """Whether each body is elastic."""
-        return self.effects.elastic_body_1, self.effects.elastic_body_2
+    def body_1(self) -> Body:
+        """The body that the torque turns."""
+        return self.mesh.bodies[0]
+
+    @property
+    def body_2(self) -> Body:
+        """The body at rest."""
+        return self.mesh.bodies[1]
+
+    @property
+    def pairing(self) -> Pairing:
+        """Relative position of both bodies."""
+        return self.mesh.pairing
+
+    @property
+    def face_width_mm(self) -> float:
+        """Common face width."""
+        return self.mesh.face_width_mm
+
+    @property
+    def friction(self) -> Friction | None:
+        """Friction of the flanks."""
+        return self.mesh.friction
+
+    @property
+    def slices(self) -> Slices | None:
+        """Slices of the common face width of three-dimensional bodies."""
+        return self.mesh.slices
+
+    def with_mesh(self, **changes: Any) -> BodyPair:
+        """The pair with other values of fields of its mesh."""
+        return replace(self, mesh=replace(self.mesh, **changes))
 
     @property
     def period_rad(self) -> float:
@@ -83,13 +134,3 @@ class BodyPair:
         if self.closed and self.pitches is not None:
             return self.pitches * self.pairing.pitch_rad
         return self.pairing.period_rad
-
-    @property
-    def turn_1(self) -> float:
-        """Angle of body 1's frame at position zero, rad."""
-        return self.pairing.turns_at_zero_rad[0]
-
-    @property
-    def turn_2(self) -> float:
-        """Angle of body 2's frame at position zero, rad."""
-        return self.pairing.turns_at_zero_rad[1]

@@ -165,7 +165,6 @@ def root_reading(
     compliance: BodyCompliance,
     z: int,
     sites: Numbers,
-    face_width_mm: float,
 ) -> RootReading | None:
     """Reading of body z + 1 at some of its sites; None if its compliance contains no stress.
 
@@ -188,7 +187,7 @@ def root_reading(
         response=root.response[block],
         mode_range_mm=compliance.modes.range_mm,
         tip=compliance.modes.tip,
-        face_width_mm=face_width_mm,
+        face_width_mm=pair.mesh.loaded_width_mm,
         nodes=compliance.modes.nodes,
         over_width=over_width,
     )

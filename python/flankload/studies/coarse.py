@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
-from flankload.mechanisms.flank_pair.assembly import node_spacing_of
+from flankload.mechanisms.registry import mechanism_of
 from flankload.scene.effects import effects_of
 from flankload.scene.named_discretization import NamedDiscretization, with_discretization
 from flankload.scene.steps import ELEMENTS, STEPS
-from flankload.studies.parameters import parameters_of
 
 if TYPE_CHECKING:
     from flankload.mechanisms.reuse import Parts
@@ -31,14 +30,14 @@ def coarse(scene: Scene, parts: Parts | None = None) -> Scene:
     A parameter that the scene has at a coarser value keeps it, as does one that files determine.
     Bodies from files are reused from `parts`.
     """
-    wanted = parameters_of(scene, parts)
+    wanted = mechanism_of(scene).parameters(scene, parts)
     values: dict[str, Any] = {
         name: _coarser(name, value, wanted.element_mm)
         for name, value in wanted.values.items()
         if name not in wanted.fixed or getattr(scene.accuracy, name) is not None
     }
     if scene.effects.near_field == "nodes":
-        spacing = scene.accuracy.flank_element_mm or node_spacing_of(scene, parts)
+        spacing = scene.accuracy.flank_element_mm or wanted.nodes_mm
         values = {} if spacing is None else {ELEMENTS: NODES_APART * spacing}
     level = "slices" if effects_of(scene).three_dimensions else "pairs"
     scene = with_discretization(scene, NamedDiscretization(level, **values))

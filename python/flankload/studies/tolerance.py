@@ -14,14 +14,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from flankload.cost import COUNTERS, Account
+from flankload.mechanisms.parameters import ELEMENTS_WORK, OF_ELEMENTS, STATES_WORK, relative
+from flankload.mechanisms.registry import mechanism_of
+from flankload.mechanisms.stage_clock import elements_stage
 from flankload.scene.named_discretization import NamedDiscretization, with_discretization
-from flankload.studies.parameters import (
-    ELEMENTS_WORK,
-    OF_ELEMENTS,
-    STATES_WORK,
-    parameters_of,
-    relative,
-)
 from flankload.studies.tolerance_report import (
     BOUND,
     OF_LARGEST,
@@ -31,15 +27,13 @@ from flankload.studies.tolerance_report import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, MutableMapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
-    from flankload.elasticity.compliance.body_compliance import BodyCompliance
+    from flankload.mechanisms.parameters import Parameters, Values
+    from flankload.mechanisms.stage_clock import Kept, Progress
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.parameters import Parameters, Values
 
-    Progress = Callable[[str, int, int], None]
-    Kept = MutableMapping[int, tuple[BodyCompliance, Account]]
     Errors = dict[str, float]
     Table = dict[str, Errors]
 
@@ -81,7 +75,7 @@ def first_discretization(scene: Scene) -> NamedDiscretization:
     """Initial discretization for a tolerance, with all open parameters; empty without one."""
     if not scene.names_tolerance:
         return NamedDiscretization()
-    parameters = parameters_of(scene)
+    parameters = mechanism_of(scene).parameters(scene)
     choice = first_choice(scene, parameters)
     named: dict[str, Any] = {n: x for n, x in choice.values.items() if n in parameters.steps}
     return replace(choice.positions, **named)
@@ -91,7 +85,7 @@ def first_scene(scene: Scene) -> Scene:
     """Scene with the initial discretization of its tolerance; unchanged if it names none."""
     if not scene.names_tolerance:
         return scene
-    parameters = parameters_of(scene)
+    parameters = mechanism_of(scene).parameters(scene)
     return _at(scene, first_choice(scene, parameters).discretization(parameters))
 
 
@@ -123,7 +117,7 @@ def solve_to_tolerance(
         One per torque, with `accuracy`.
     """
     with Account() as control:
-        parameters = parameters_of(scene)
+        parameters = mechanism_of(scene).parameters(scene)
         choice = first_choice(scene, parameters)
     tell, kept, spent = _Parts(progress), {}, Account()  # type: tuple[_Parts, Kept, Account]
     attempts: list[Attempt] = []
@@ -270,9 +264,9 @@ class _Refining:
         return values
 
 
-def _add_spent(spent: Account, results: Sequence[Result], *, without: set[int]) -> None:
+def _add_spent(spent: Account, results: Sequence[Result], *, without: set[str]) -> None:
     """Count the cost of a run that the next one cannot reuse."""
-    kept = {f"compliance body {z + 1}" for z in without}
+    kept = set(map(elements_stage, without))
     for name, stage in results[0].cost["stages"].items():
         if name not in kept:
             spent.wall_s += stage["wall_s"]

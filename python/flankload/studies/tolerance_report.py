@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.analysis.error_rules import LARGEST_SMOOTH_CHANGE
+from flankload.mechanisms.parameters import OF_ELEMENTS, SOURCES
 from flankload.scene.named_discretization import NamedDiscretization
-from flankload.studies.parameters import OF_ELEMENTS, SOURCES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from flankload.mechanisms.parameters import Parameters, Values
     from flankload.result import Result
     from flankload.scene import Scene
-    from flankload.studies.parameters import Parameters, Values
 
     Errors = dict[str, float]
     Table = dict[str, Errors]

@@ -27,7 +27,6 @@ from flankload.elasticity.near_field import mode_norms, mode_values, projected_l
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.studies.verification.deck_model import with_modified_elements
 from tests.support.compliance_scenes import (
     FROM_FILE_1,
     FROM_FILE_2,
@@ -86,7 +85,8 @@ def fine() -> BodyPair:
 @pytest.fixture(scope="module")
 def nodal(fine: BodyPair) -> tuple[dict[str, Any], dict[str, Any]]:
     """Plain files of both bodies."""
-    return nodal_arrays(fine.body_1, fine.turn_1), nodal_arrays(fine.body_2, fine.turn_2)
+    one, two = map(nodal_arrays, fine.bodies, fine.pairing.turns_at_zero_rad)
+    return one, two
 
 
 # --- flankload's own format -----------------------------------------------------------------------
@@ -187,11 +187,11 @@ def test_ring_from_nodes(tmp_path: Path) -> None:
     expected = solved(**tables)
     accuracy = {"estimate": False, "flank_element_mm": 0.1 * tables["body_1"]["module_mm"]}
     scene = scene_of(**{**tables, "accuracy": accuracy})
-    pair = with_modified_elements(scene)  # the file has the flank in contact
+    pair = build_bodies(scene, modified_elements=True)  # the file has the flank in contact
     near = np.array([0, 1])
     for body, turn, name, side in (
-        (pair.body_1, pair.turn_1, "body_1.npz", "outwards"),
-        (pair.body_2, pair.turn_2, "body_2.npz", "inwards"),
+        (pair.body_1, pair.pairing.turns_at_zero_rad[0], "body_1.npz", "outwards"),
+        (pair.body_2, pair.pairing.turns_at_zero_rad[1], "body_2.npz", "inwards"),
     ):
         arrays = nodal_arrays(body, turn, teeth_stand=side)
         arrays |= {"offsets": near, "compliance": arrays["compliance"][near]}

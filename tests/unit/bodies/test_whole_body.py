@@ -16,8 +16,8 @@ from flankload.bodies.imported.body_file import write_body
 from flankload.cli import main
 from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.errors import ComplianceFileError, SceneError
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.meshes.plane_mesh import boundary_edges
 from flankload.scene.accuracy import Accuracy
@@ -235,8 +235,8 @@ def test_outline_of_a_whole_body_is_one_pitch_of_its_contour(folder: Path) -> No
 def test_another_mesher_agrees_within_its_deviation(tmp_path: Path) -> None:
     gears = build_bodies(fl.read_scene(SCENES / "external_gear.toml"))
     for name, body, turn in (
-        ("pinion", gears.body_1, gears.turn_1),
-        ("wheel", gears.body_2, gears.turn_2),
+        ("pinion", gears.body_1, gears.pairing.turns_at_zero_rad[0]),
+        ("wheel", gears.body_2, gears.pairing.turns_at_zero_rad[1]),
     ):
         write_mesh(tmp_path / f"{name}.inp", *delaunay_sector(body, 0.8, turn))
     files = [

@@ -8,7 +8,7 @@ import pytest
 
 import flankload as fl
 from flankload.cli.progress import Progress, TimeLeft, in_words
-from flankload.mechanisms.stage_clock import end_of_phase
+from flankload.mechanisms.stage_clock import StageClock, elements_stage, end_of_phase
 from tests.support.paths import SCENES
 
 
@@ -45,6 +45,28 @@ def test_states_do_not_take_as_long_as_elements() -> None:
     left.after("sweep", total - 100, total)
     clock.now += 1.0
     assert left.after("sweep", total - 50, total) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_stages_of_three_bodies_follow_each_other() -> None:
+    """Stages were counted body 1 and body 2, so a planet would have had no progress."""
+    seen: list[tuple[str, int]] = []
+    names = ("body_1", "planet", "body_2")
+    clock = StageClock(lambda stage, done, total: seen.append((stage, done)), names, 1, {})
+    for name in names:
+        stage = elements_stage(name)
+        clock.stage(stage)
+        clock.part_progress(stage)(1.0)
+    clock.stage("sweep")
+    assert [stage for stage, _ in seen[::2]] == [
+        "compliance body 1",
+        "compliance planet",
+        "compliance body 2",
+        "sweep",
+    ]
+    done = [steps for _, steps in seen]
+    assert done[0] == 1
+    assert done == sorted(done)
+    assert done[-1] == end_of_phase("compliance planet", 0)
 
 
 def test_a_factorization_is_not_taken_for_each_of_the_loads_behind_it() -> None:

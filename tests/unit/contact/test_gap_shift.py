@@ -16,8 +16,8 @@ from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
 from flankload.elasticity.near_field import mode_norms, mode_values
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.body_pair import BodyPair
 from tests.support.body_records import parts_of
 from tests.support.gear_pair import GEARS, ONE, TWO
@@ -93,7 +93,7 @@ def test_an_even_shift_is_metal_that_touches_early(torque: float) -> None:
     deviations = tuple(
         np.full(pair.pairing.sites.size, value) for value in (modes[0], -0.5 * modes[0])
     )
-    early = replace(pair, pairing=replace(pair.pairing, site_deviations_mm=deviations))
+    early = pair.with_mesh(pairing=replace(pair.pairing, site_deviations_mm=deviations))
     by_number = swept(early, (one, two), torque)
     plain = swept(pair, (one, two), torque)
     np.testing.assert_allclose(by_modes.rotation_rad, by_number.rotation_rad, rtol=SOLVER)

@@ -18,7 +18,6 @@ from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import consistent_loads, mode_values
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.studies.verification.deck_model import with_modified_elements
 from tests.support.gear_scenes import example
 
 MODES = 5
@@ -73,7 +72,7 @@ def test_forces_on_coast_flanks_and_root_stress_have_that_direction_too() -> Non
     """Against elements that follow the modified flank, whose teeth are thinner, too."""
     fine = {"body_1.tip_relief_shape": "parabolic", "accuracy.flank_element_mm": 0.6}
     scene = fl.Scene.from_dict(example("external_gear")).replace(RELIEF | fine)
-    body, modified = (of(scene).body_1 for of in (build_bodies, with_modified_elements))
+    body, modified = (build_bodies(scene, modified_elements=on).body_1 for on in (False, True))
     options = {"n_modes": MODES, "plane": "strain", "friction": True, "coast_flanks": True}
     plain, expected = (
         flank_compliance(each, JobOptions(**options, fillets=root_fillets(each, "body_1")))

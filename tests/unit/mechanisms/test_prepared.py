@@ -19,7 +19,6 @@ from flankload.flank import fit
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.reuse import MOST_PARTS, Parts, made_once
 from flankload.scene.unmodified import UNMODIFIED, unmodified
-from flankload.studies.verification import deck_model
 from tests.support.gear_scenes import SCENE, example
 from tests.support.mesh_files import COARSE_PINION, COARSE_WHEEL
 from tests.support.paths import SCENES
@@ -249,7 +248,7 @@ RELIEF = {"body_1.tip_relief_um": 20.0, "body_1.tip_relief_start_diameter_mm": 8
 def with_modified_elements(scene: fl.Scene, monkeypatch: pytest.MonkeyPatch) -> fl.Result:
     """Result with elements on the modified flanks, as in decks for other programs."""
     with monkeypatch.context() as changed:
-        changed.setattr("flankload.mechanisms.flank_pair.assembly.unmodified", lambda table: table)
+        changed.setattr("flankload.mechanisms.scene_bodies.unmodified", lambda table: table)
         return fl.solve(scene)
 
 
@@ -271,7 +270,7 @@ def test_elements_on_unmodified_flanks_change_little(
     scene = fl.Scene.from_dict(example("external_gear")).replace(
         {**RELIEF, **more, "accuracy.estimate": False, "positions": {"count": 4}}
     )
-    one, two = (of(scene).body_1 for of in (build_bodies, deck_model.with_modified_elements))
+    one, two = (build_bodies(scene, modified_elements=on).body_1 for on in (False, True))
     assert bits_of_curve(one) == bits_of_curve(two)  # the flank in contact has its relief
     found, expected = fl.solve(scene), with_modified_elements(scene, monkeypatch)
     apart = np.abs(found.transmission_error_um / expected.transmission_error_um - 1.0).max()
@@ -383,7 +382,7 @@ def test_other_pitch_errors_build_no_body(monkeypatch: pytest.MonkeyPatch) -> No
     prepared = fl.prepare(scene)
     changes = {"body_2.pitch_errors_um": [0.5 * (i % 3) for i in range(24)]}
     with monkeypatch.context() as without:
-        without.setattr("flankload.mechanisms.flank_pair.assembly.build_body", None)
+        without.setattr("flankload.mechanisms.scene_bodies.build_body", None)
         found = prepared.solve(changes)
     assert bits(found) == bits(fl.solve(scene.replace(changes)))
     assert bits(found) != bits(prepared.solve())

@@ -17,8 +17,8 @@ from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_co
 from flankload.elasticity.finite_elements import centrifugal_load, stiffness
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense, uniform_response
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.pairing.expansion import BodyLoad, body_loads_of
 from tests.support.gear_pair import ONE, TWO
 from tests.support.gear_scenes import changed
@@ -352,7 +352,7 @@ def test_counters_count_the_expansion() -> None:
 
 def test_without_growth_nothing_is_enlarged() -> None:
     scene = fl.Scene.from_dict({**PAIR, "effects": {"temperature_rise_K": 0, "speed_rpm": 0}})
-    assert build_bodies(scene).body_loads == (None, None)
+    assert [job.body_load for job in build_bodies(scene).jobs] == [None, None]
     np.testing.assert_array_equal(fl.solve(scene).rotation_rad, solved(torque=302.0).rotation_rad)
 
 
@@ -404,7 +404,7 @@ def test_files_and_rigid_bodies_grow_as_a_whole(tmp_path: Path) -> None:
     rigid = fl.Scene.from_dict(
         {**PAIR, "body_2": {**TWO, "rigid": True}, "effects": asked["effects"]}
     )
-    body_load = build_bodies(rigid).body_loads[1]
+    body_load = build_bodies(rigid).jobs[1].body_load
     assert body_load is not None
     assert body_load.strain == body_load.held_strain == pytest.approx(69e-5)
     assert fl.solve(rigid).cost["fe_factorisations"] == 1
@@ -429,7 +429,7 @@ def test_compliance_holds_the_parts_of_the_growth_by_name() -> None:
         }
     )
     pair = build_bodies(scene)
-    found = compliance_of(pair.body_1, scene, body_load=pair.body_loads[0])
+    found = compliance_of(pair.body_1, scene, job=pair.jobs[0])
     assert sorted(found.expansion.shifts) == ["speed", "temperature"]
     # most of it is that of a larger figure
     lift = np.abs(found.shift_of(np.array([0]))).max()

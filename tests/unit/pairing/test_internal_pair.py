@@ -92,9 +92,10 @@ def test_contact_ratio_on_both_involutes_inside_a_ring(blunt: dict) -> None:
 def test_pair_zero_is_at_the_pitch_point_at_position_zero() -> None:
     """The pitch point lies beyond the axis of body 1, seen from that of body 2."""
     found = pair()
+    turns = found.pairing.turns_at_zero_rad
     for body, turn, axis, radius in (
-        (found.body_1, found.turn_1, 0.0, found.pairing.gear_geometry.pitch_radius_1_mm),
-        (found.body_2, found.turn_2, 53.93, found.pairing.gear_geometry.pitch_radius_2_mm),
+        (found.body_1, turns[0], 0.0, found.pairing.gear_geometry.pitch_radius_1_mm),
+        (found.body_2, turns[1], 53.93, found.pairing.gear_geometry.pitch_radius_2_mm),
     ):
         s = np.linspace(0, body.curve.length_mm, 2001)
         radii = np.linalg.norm(body.curve.point(s), axis=1)
@@ -254,9 +255,10 @@ def swept_overlap(found: BodyPair) -> float:
     a = found.pairing.center_distance_mm
     body_1, body_2 = found.body_1, found.body_2
     s = np.linspace(0, body_2.curve.length_mm, 4001)
-    x, y = body_2.curve.rotated(found.turn_2).point(s).T
+    turn_1, turn_2 = found.pairing.turns_at_zero_rad
+    x, y = body_2.curve.rotated(turn_2).point(s).T
     radius, angle = np.hypot(x, y)[::-1], np.unwrap(np.arctan2(y, x) % (2 * pi))[::-1]
-    x, y = body_1.curve.rotated(found.turn_1).point(np.linspace(0, body_1.curve.length_mm, 801)).T
+    x, y = body_1.curve.rotated(turn_1).point(np.linspace(0, body_1.curve.length_mm, 801)).T
     deepest = 0.0
     for turn in np.linspace(-0.8, 0.8, 1601):
         c, s = np.cos(turn), np.sin(turn)

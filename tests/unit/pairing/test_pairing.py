@@ -111,8 +111,8 @@ def test_pair_zero_is_at_the_pitch_point_at_position_zero() -> None:
     found = pair()
     pitch_radius = found.pairing.gear_geometry.pitch_radius_1_mm
     for body, turn, axis, radius in (
-        (found.body_1, found.turn_1, 0.0, pitch_radius),
-        (found.body_2, found.turn_2, 91.5, 91.5 - pitch_radius),
+        (found.body_1, found.pairing.turns_at_zero_rad[0], 0.0, pitch_radius),
+        (found.body_2, found.pairing.turns_at_zero_rad[1], 91.5, 91.5 - pitch_radius),
     ):
         s = np.linspace(0, body.curve.length_mm, 2001)
         near = np.interp(radius, np.linalg.norm(body.curve.point(s), axis=1), s)

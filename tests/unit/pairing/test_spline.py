@@ -160,7 +160,7 @@ def test_flanks_without_errors_lie_on_each_other() -> None:
     np.testing.assert_allclose(np.diff(angles[0]), 2 * pi / 24, rtol=ROUND_OFF * 24)
     assert found.pairing.whole_circle
     # tooth 0 is on the line of centres
-    assert found.turn_1 == 0.0
+    assert found.pairing.turns_at_zero_rad[0] == 0.0
 
 
 def test_unloaded_spline_touches_without_turning_or_at_the_highest_tooth() -> None:

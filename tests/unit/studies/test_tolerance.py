@@ -12,26 +12,21 @@ import pytest
 import flankload as fl
 from flankload.analysis.estimate import ON_CORNERS
 from flankload.cli import main
+from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.notes import ELEMENT_RESERVE
+from flankload.mechanisms.parameters import (
+    ANYWHERE,
+    ELEMENTS_WORK,
+    LEAST_PART,
+    OF_ELEMENTS,
+    Parameters,
+    relative,
+)
 from flankload.result.notes import accuracy_lines, percent
 from flankload.scene.discretization import elements_for_modes
 from flankload.scene.named_discretization import NamedDiscretization
-from flankload.scene.steps import STEPS
-from flankload.studies.parameters import (
-    ANYWHERE,
-    DEGREE,
-    ELEMENTS,
-    ELEMENTS_WORK,
-    LEAST_PART,
-    LOAD_DEGREE,
-    MODES,
-    OF_ELEMENTS,
-    SLICES,
-    STRIPS,
-    parameters_of,
-    relative,
-)
+from flankload.scene.steps import DEGREE, ELEMENTS, LOAD_DEGREE, MODES, SLICES, STEPS, STRIPS
 from flankload.studies.tolerance import (
     AIM,
     MOST_POSITIONS,
@@ -56,6 +51,10 @@ from tests.support.tolerances import ROUND_OFF
 
 #: That the default of `small` misses: its dominant sources are modes and named positions.
 TIGHT = 0.004
+
+
+def parameters_of(scene: fl.Scene) -> Parameters:
+    return mechanism_of(scene).parameters(scene)
 
 
 def small(**accuracy: Any) -> dict[str, Any]:

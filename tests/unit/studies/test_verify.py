@@ -312,7 +312,7 @@ def rubbing_of(
     )
     friction = friction_of(scene, pair_.body_1, pair_.pairing)
     places = tuple(Place(site, 0.0, 0.1, np.zeros((1, 2))) for site in (-1, 0))
-    return friction_of_deck(scene, replace(pair_, friction=friction), places)
+    return friction_of_deck(scene, pair_.with_mesh(friction=friction), places)
 
 
 @pytest.mark.parametrize(("driver", "sense"), [("body_1", 1), ("body_2", -1)])
@@ -627,7 +627,7 @@ def test_coarse_deck_gives_rotation_and_loads() -> None:
 def test_a_deck_has_the_modified_flanks() -> None:
     relief = {"body_1.tip_relief_um": 30.0, "body_1.tip_relief_start_diameter_mm": 80.0}
     scene = fl.read_scene(SCENES / "external_gear.toml").replace(relief)
-    bodies = [pair.body_1 for pair in (deck_model.coarse_bodies(scene), build_bodies(scene))]
+    bodies = [pair.bodies[0] for pair in (deck_model.coarse_bodies(scene), build_bodies(scene))]
     places = [body.mesh.nodes[body.mesh.flank_edges.ravel()] for body in bodies]
     in_deck, in_run = (bodies[0].curve.arc_length_of(points)[1].max() for points in places)
     assert in_deck < 1e-6

@@ -8,9 +8,12 @@ from flankload.cost import held_bytes
 from flankload.mechanisms.belt.contact import spring_row, state_under
 from flankload.mechanisms.belt.description import rows_of_belt, sheet_of_belt
 from flankload.mechanisms.belt.drive import (
+    PULLEY,
+    STRIP,
     BeltStates,
     assemble,
     error_estimates,
+    parameters_of_belt,
     predicted_work,
     pulley_mesh,
     response_at,
@@ -33,7 +36,7 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-class TimingBelt(WrappedMechanism):
+class TimingBelt(WrappedMechanism["BeltAssembly", BeltStates]):
     """A pulley and the belt around it."""
 
     no_flanks_reason: str | None = "'belt', which lies on its pulley as a strip"
@@ -42,6 +45,7 @@ class TimingBelt(WrappedMechanism):
     work = staticmethod(predicted_work)
     stiffness = staticmethod(tangent_stiffness)
     result = staticmethod(result_of_belt)
+    parameters = staticmethod(parameters_of_belt)
     rows = staticmethod(rows_of_belt)
     data_sheet = staticmethod(sheet_of_belt)
 
@@ -56,11 +60,11 @@ class TimingBelt(WrappedMechanism):
         """Solve the elements of an elastic pulley, and the cell of the belt."""
         pulley = None
         if not scene.body_1.rigid:
-            with clock.stage("compliance body 1") as account:
+            with clock.stage(PULLEY) as account:
                 mesh = assembly.pulley.of(assembly.row.elements)
                 pulley = solved_pulley(scene, mesh, account)
                 account.bytes = held_bytes(pulley)
-        with clock.stage("compliance body 2") as account:
+        with clock.stage(STRIP) as account:
             assembly.row.solve_cell(account)
         return assembly, pulley
 
@@ -81,7 +85,7 @@ class TimingBelt(WrappedMechanism):
         progress = clock.sweep_progress("sweep")
         for p, angle in enumerate(assembly.position_rad):
             progress(p, assembly.position_rad.size)
-            with clock.account("compliance body 2") as account:
+            with clock.account(STRIP) as account:
                 response = response_at(assembly.row, compliances, float(angle), account)
                 springs = springs or spring_row(strip, response)
                 account.bytes = max(account.bytes, held_bytes(response))
@@ -105,7 +109,7 @@ class TimingBelt(WrappedMechanism):
         with clock.stage("estimate") as account:
             return error_estimates(scene, assembly, compliances, states.found, account)
 
-    def meshes(self, scene: Scene) -> Iterator[MeshFile]:
+    def mesh_files(self, scene: Scene) -> Iterator[MeshFile]:
         """Mesh of an elastic pulley at its first tooth; a SceneError for a rigid one."""
         if scene.body_1.rigid:
             require_flanks(scene)
@@ -114,4 +118,4 @@ class TimingBelt(WrappedMechanism):
         yield MeshFile("body_2", None, "a strip around the pulley, which has no file")
 
 
-MECHANISM: Mechanism = TimingBelt()
+MECHANISM: Mechanism[BeltAssembly, PulleyResponse | None, BeltStates] = TimingBelt()

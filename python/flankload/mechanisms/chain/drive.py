@@ -16,10 +16,13 @@ from flankload.errors import ContactError, NoContactState, SceneError
 from flankload.mechanisms.chain.contact import CONVERGED, WrapState, solve_wrap, work_of
 from flankload.mechanisms.chain.sprocket import Sprocket, build_sprocket
 from flankload.mechanisms.chain.wrap import Chain, Wrap, wrap_at
+from flankload.mechanisms.parameters import Parameters, named
+from flankload.mechanisms.scene_bodies import with_file_of
 from flankload.mechanisms.wrapped import WrappedAssembly, positions_of, slack_of
 
 if TYPE_CHECKING:
     from flankload.cost import Account
+    from flankload.mechanisms.reuse import Parts
     from flankload.scene import Scene
 
 #: Length of the free strands in pitches if a scene does not name one.
@@ -66,6 +69,13 @@ def predicted_work(scene: Scene, assembly: ChainAssembly) -> dict[str, dict[str,
         counted["contact_passes"] = LINEAR_PASSES * counted["states"]
     none: dict[str, dict[str, int]] = {"estimate": {}} if scene.accuracy.estimate else {}
     return {"bodies": {}, "sweep": counted, **none}
+
+
+def parameters_of_chain(scene: Scene, parts: Parts | None = None) -> Parameters:
+    """Discretization parameters of a scene: none, since links and pockets have no elements."""
+    fixed = named(scene)
+    fixed.setdefault("positions", "equally spaced positions suffice")
+    return Parameters({}, fixed, {}, {}, has_pressures=False)
 
 
 def error_estimate(
@@ -115,7 +125,7 @@ def build_drive(scene: Scene) -> tuple[Sprocket, Chain, float]:
     try:
         sprocket = build_sprocket(spec_1, "body_1")
     except SceneError as error:
-        raise (error if scene.file is None else error.with_file(scene.file)) from None
+        raise with_file_of(scene, error) from None
     chain = Chain(
         pitch_mm=spec_2.pitch_mm,
         elongation=spec_2.elongation,

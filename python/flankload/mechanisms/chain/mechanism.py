@@ -10,11 +10,11 @@ from flankload.mechanisms.chain.description import rows_of_chain, sheet_of_chain
 from flankload.mechanisms.chain.drive import (
     assemble,
     error_estimate,
+    parameters_of_chain,
     predicted_work,
     solve_position,
 )
 from flankload.mechanisms.chain.drive_result import result_of_chain, tangent_stiffness
-from flankload.mechanisms.registry import require_flanks
 from flankload.mechanisms.wrapped import WrappedMechanism, WrappedStates
 
 if TYPE_CHECKING:
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from flankload.mechanisms.chain.contact import WrapState
     from flankload.mechanisms.chain.drive import ChainAssembly
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Mechanism, MeshFile, States
+    from flankload.mechanisms.protocol import Mechanism, States
     from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
 
 
-class ChainOnSprocket(WrappedMechanism):
+class ChainOnSprocket(WrappedMechanism["ChainAssembly", WrappedStates]):
     """A sprocket and the chain around it."""
 
     no_flanks_reason: str | None = "'chain', whose sprocket has pockets and which is a truss"
@@ -38,6 +38,7 @@ class ChainOnSprocket(WrappedMechanism):
     work = staticmethod(predicted_work)
     stiffness = staticmethod(tangent_stiffness)
     result = staticmethod(result_of_chain)
+    parameters = staticmethod(parameters_of_chain)
     rows = staticmethod(rows_of_chain)
     data_sheet = staticmethod(sheet_of_chain)
 
@@ -96,10 +97,5 @@ class ChainOnSprocket(WrappedMechanism):
                 for torque, found in zip(scene.torques_Nmm, states.found, strict=True)
             ]
 
-    def meshes(self, scene: Scene) -> Iterator[MeshFile]:
-        """Neither body has finite elements: a SceneError."""
-        require_flanks(scene)
-        yield from ()
 
-
-MECHANISM: Mechanism = ChainOnSprocket()
+MECHANISM: Mechanism[ChainAssembly, None, WrappedStates] = ChainOnSprocket()

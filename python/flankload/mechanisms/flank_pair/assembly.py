@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from math import radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import structs
 
-from flankload.bodies import Body, build_body
-from flankload.bodies.imported.compliance import ModalCompliance
+from flankload.bodies import Body
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.contact.flank_contact import FlankContact
@@ -22,27 +18,21 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.mistakes import explained
 from flankload.mechanisms.flank_pair.positions import positions_of
 from flankload.mechanisms.flank_pair.rims import rim_notes
-from flankload.mechanisms.registry import require_flanks
-from flankload.mechanisms.reuse import made_once
-from flankload.pairing.body_pair import BodyPair
+from flankload.mechanisms.scene_bodies import PAIR, bodies_of, with_file_of
+from flankload.pairing.body_pair import BodyJob, BodyPair
 from flankload.pairing.common_height import common_height
 from flankload.pairing.expansion import body_load_notes, body_loads_of
 from flankload.pairing.friction import friction_notes, friction_of
-from flankload.pairing.node_spacing import spacing_for_loads, spacing_notes
+from flankload.pairing.gear_mesh import GearMesh
+from flankload.pairing.node_spacing import spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
 from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
 from flankload.pairing.spline_fit import tilt_notes
 from flankload.scene import MeshBody
 from flankload.scene.axial import check_hands
-from flankload.scene.discretization import (
-    DEFAULT,
-    Discretization,
-    choose_discretization,
-    elements_for_modes,
-)
+from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import Effects, effects_of
 from flankload.scene.effects.rules import check_coast_kinds
-from flankload.scene.unmodified import unmodified
 from flankload.scene.usual import question_notes
 
 #: Largest distance between flanks with angles from files, relative to the pitch; a larger distance
@@ -55,62 +45,7 @@ if TYPE_CHECKING:
     from flankload.bodies.axial_shape import AxialShape
     from flankload.cost import Account
     from flankload.mechanisms.reuse import Parts
-    from flankload.scene import BodySpec, Scene
-
-
-def bodies_of(
-    scene: Scene,
-    discretization: Discretization,
-    which: tuple[int, ...] = (0, 1),
-    *,
-    parts: Parts | None = None,
-    modified_elements: bool = False,
-) -> tuple[Body, ...]:
-    """Bodies of a scene, not yet paired.
-
-    Parameters
-    ----------
-    which : tuple of int
-        0 is body 1, 1 is body 2.
-    parts : Parts, optional
-        Of earlier runs.
-    modified_elements : bool
-        Whether elements follow the modified flanks, for another program.
-
-    Raises
-    ------
-    SceneError
-        If a body cannot be made; names file, key, expected and found.
-    """
-    require_flanks(scene)
-    made = partial(_body, scene, discretization, parts, modified_elements=modified_elements)
-    element_mm = scene.accuracy.flank_element_mm
-    try:
-        if effects_of(scene).nodal_near_field:
-            # from the scene, or from the contact width
-            nodes_mm = element_mm or spacing_for_loads(
-                (made(0), made(1)), scene.torques_Nmm, scene.pair.face_width_mm
-            )
-            bodies = tuple(made(z, nodes_mm=nodes_mm) for z in which)
-            for z, body in zip(which, bodies, strict=True):
-                _check_nodes(body, f"body_{z + 1}")
-            return bodies
-        bodies = tuple(made(z, element_mm=element_mm) for z in which)
-        if element_mm is None and (scene.accuracy.modes or 0) > DEFAULT.modes:
-            nodes = [_nodes_of_modes(body, scene, z) for z, body in zip(which, bodies, strict=True)]
-            bodies = tuple(
-                body if nodes_mm is None else made(z, nodes_mm=nodes_mm)
-                for z, body, nodes_mm in zip(which, bodies, nodes, strict=True)
-            )
-        return bodies
-    except SceneError as error:
-        raise _with_file(error, scene) from None
-
-
-def node_spacing_of(scene: Scene, parts: Parts | None = None) -> float | None:
-    """Distance of nodes with forces by the contact width, mm; None without elements."""
-    one, two = (_body(scene, DEFAULT, parts, z) for z in (0, 1))
-    return spacing_for_loads((one, two), scene.torques_Nmm, scene.pair.face_width_mm)
+    from flankload.scene import Scene
 
 
 def build_bodies(
@@ -120,6 +55,7 @@ def build_bodies(
     bodies: tuple[Body, Body] | None = None,
     groups: tuple[int, int] = (1, 1),
     parts: Parts | None = None,
+    modified_elements: bool = False,
 ) -> BodyPair:
     """Pair the bodies of a scene; no finite elements are solved.
 
@@ -129,6 +65,8 @@ def build_bodies(
         By default that of the scene; from `bodies_of`; of earlier runs.
     groups : (int, int)
         Number of teeth after which the compliance of each body repeats, if known.
+    modified_elements : bool
+        Whether elements follow the modified flanks, for another program.
 
     Raises
     ------
@@ -137,7 +75,12 @@ def build_bodies(
     """
     try:
         return _paired(
-            scene, discretization=discretization, bodies=bodies, groups=groups, parts=parts
+            scene,
+            discretization=discretization,
+            bodies=bodies,
+            groups=groups,
+            parts=parts,
+            modified_elements=modified_elements,
         )
     except SceneError as error:
         raise explained(error, scene, _paired) from None
@@ -150,10 +93,13 @@ def _paired(
     bodies: tuple[Body, Body] | None = None,
     groups: tuple[int, int] = (1, 1),
     parts: Parts | None = None,
+    modified_elements: bool = False,
 ) -> BodyPair:
     """As `build_bodies`, without a search for the mistake in an impossible scene."""
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
-    one, two = bodies or bodies_of(scene, discretization, parts=parts)
+    one, two = bodies or bodies_of(
+        scene, discretization, parts=parts, modified_elements=modified_elements
+    )
     try:
         if effects.coast_flanks:
             check_coast_kinds(one.kind, two.kind)
@@ -173,11 +119,21 @@ def _paired(
         friction = friction_of(scene, one, pairing)
         fillets = (_fillets(one, "body_1", effects), _fillets(two, "body_2", effects))
     except SceneError as error:
-        raise _with_file(error, scene) from None
+        raise with_file_of(scene, error) from None
+    loads = body_loads_of(scene, pairing)
     pair = BodyPair(
-        body_1=one,
-        body_2=two,
-        pairing=pairing,
+        mesh=GearMesh(
+            PAIR,
+            (one, two),
+            pairing,
+            scene.pair.face_width_mm,
+            friction=friction,
+            slices=_slices(scene, (one, two), pairing),
+        ),
+        jobs=(
+            BodyJob(effects.elastic_body_1, fillets[0], loads[0]),
+            BodyJob(effects.elastic_body_2, fillets[1], loads[1]),
+        ),
         discretization=discretization,
         effects=_with_effects_of_files(effects, (one, two)),
         position_rad=window.position_rad,
@@ -185,10 +141,6 @@ def _paired(
         closed=window.closed,
         adaptive=scene.positions.adaptive and window.position_rad.size > 1,
         notes=(),
-        friction=friction,
-        fillets=fillets,
-        body_loads=body_loads_of(scene, pairing),
-        slices=_slices(scene, (one, two), pairing),
     )
     return replace(pair, notes=_notes(scene, pair, window.notes))
 
@@ -210,7 +162,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *(f"body_1: {note}" for note in pair.body_1.notes),
         *(f"body_2: {note}" for note in pair.body_2.notes),
         *rim_notes(pair.bodies),
-        *spacing_notes(pair.bodies, scene.torques_Nmm, scene.pair.face_width_mm),
+        *spacing_notes(pair.bodies, scene.torques_Nmm, pair.face_width_mm),
         *pair.pairing.warnings,
         *([] if slices is None else tilt_notes(pair.pairing.fit, slices)),
         *window_notes,
@@ -260,92 +212,6 @@ def _coupling_slices(
     return replace(slices, conforming=height)
 
 
-def _with_file(error: SceneError, scene: Scene) -> SceneError:
-    """Add the scene's file to an error that names no file."""
-    if error.file is not None or scene.file is None:
-        return error
-    return error.with_file(scene.file)
-
-
-def _check_nodes(body: Body, key: str) -> None:
-    """Refuse nodal forces for a body with imported pressure modes: its file has no nodal tables."""
-    if isinstance(body.imported, ModalCompliance):
-        raise SceneError(
-            key="effects.near_field",
-            expected=f"'analytic', since {key}.file holds pressure modes: nodes that carry forces "
-            f"come from elements, or from a matrix between nodes in {key}.file",
-            found="'nodes'",
-        )
-
-
-def _nodes_of_modes(body: Body, scene: Scene, z: int) -> float | None:
-    """Spacing of flank nodes for the given number of modes; None if the mesh is fine enough."""
-    assert scene.accuracy.modes is not None
-    wanted = elements_for_modes(scene.accuracy.modes)
-    parametric = hasattr((scene.body_1, scene.body_2)[z], "module_mm")
-    if not parametric or body.mesh is None or body.mesh.flank_elements >= wanted:
-        return None
-    low, high = body.unmodified.mode_range_mm
-    return (high - low) / wanted
-
-
-def _body(
-    scene: Scene,
-    discretization: Discretization,
-    parts: Parts | None,
-    z: int,
-    *,
-    element_mm: float | None = None,
-    nodes_mm: float | None = None,
-    modified_elements: bool = False,
-) -> Body:
-    """Body z with elements of a length on its flank, or nodes at a distance."""
-    spec, key = (scene.body_1, scene.body_2)[z], f"body_{z + 1}"
-
-    def built(spec: BodySpec) -> Body:
-        call = partial(
-            _built,
-            _stamps(scene, key),
-            spec,
-            key,
-            folder=scene.folder,
-            flank_element_mm=element_mm,
-            flank_element_parts=discretization.flank_element_parts,
-            flank_nodes_mm=nodes_mm,
-            pair_width_mm=scene.pair.face_width_mm if effects_of(scene).three_dimensions else None,
-        )
-        return made_once(call, parts)
-
-    if spec.from_file:  # which has the elements
-        discretization, element_mm, nodes_mm = DEFAULT, None, None
-    errors_um = () if spec.from_file else spec.pitch_errors_um
-    if errors_um:  # they only shift the teeth, so bodies with other errors share the rest
-        spec = structs.replace(spec, pitch_errors_um=())
-    plain = unmodified(spec)
-    if plain == spec or spec.rigid or spec.from_file or modified_elements:
-        own = built(spec)
-    else:  # a rigid body is made without a mesh
-        own, elements = built(structs.replace(spec, rigid=True)), built(plain)
-        own = replace(own, rigid=False, mesh=elements.mesh, elements=elements)
-    return replace(own, pitch_errors_um=tuple(errors_um)) if errors_um else own
-
-
-def _built(stamps: tuple[tuple[int, int], ...], spec: BodySpec, key: str, **keys: Any) -> Body:
-    """A body from its keys and from files with these stamps."""
-    return build_body(spec, key, **keys)
-
-
-def _stamps(scene: Scene, key: str) -> tuple[tuple[int, int], ...]:
-    """Time of change and size of the files of a body, as far as they exist."""
-    stamps = []
-    for name, path in scene.files.items():
-        if name.startswith(f"{key}."):
-            with suppress(OSError, ValueError):  # reading the file raises the error
-                stat = path.stat()
-                stamps.append((stat.st_mtime_ns, stat.st_size))
-    return tuple(stamps)
-
-
 def without_ends(body: Body) -> Body:
     """A body with contact on its active flanks only, not on tips and in fillets."""
     return replace(body, active_range_mm=body.curve.active_range)
@@ -375,8 +241,8 @@ def with_flank_distance(scene: Scene, pair: BodyPair, account: Account) -> BodyP
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair
     rigid = (no_compliance(pair.body_1), no_compliance(pair.body_2))
-    width_mm, grid = scene.pair.face_width_mm, pair.discretization.grid
-    contact = FlankContact(pair.bodies, rigid, pair.pairing, width_mm, grid)
+    grid = pair.discretization.grid
+    contact = FlankContact(pair.bodies, rigid, pair.pairing, pair.face_width_mm, grid)
     (unloaded,) = sweep(contact, pair.position_rad[:1], [0.0], account=account)
     radius = pair.body_1.reference_radius_mm
     gap_mm = float(unloaded.rotation_rad[0]) * radius

@@ -9,19 +9,17 @@ import numpy as np
 
 from flankload.bodies import SectorMesh, WholeMesh
 from flankload.bodies.profile.tooth_thickness import measurements
+from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.premises import broken_by_geometry
-from flankload.mechanisms.flank_pair.stages import compliance_of
 from flankload.mechanisms.premises import require_premises
-from flankload.mechanisms.protocol import Description, MeshFile
+from flankload.mechanisms.protocol import Description
 from flankload.meshes.report import quality_rows
 from flankload.pairing.gear_pair import describe_gears
 from flankload.pairing.spline_fit import describe_fit
 from flankload.scene.effects import EFFECTS, switches_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from flankload.bodies import Body
     from flankload.bodies.profile.involute import Involute
     from flankload.pairing.body_pair import BodyPair
@@ -54,26 +52,10 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> list[tuple[str, str]]:
     gears, fit = pair.pairing.gear_geometry, pair.pairing.fit
     return [
         ("offset" if fit else "centre distance", f"{scene.pair.axes_apart_mm:.8g} mm"),
-        ("face width", f"{scene.pair.face_width_mm:g} mm"),
+        ("face width", f"{pair.face_width_mm:g} mm"),
         *(describe_gears(gears) if gears is not None else ()),
         *(describe_fit(fit) if fit is not None else ()),
     ]
-
-
-def mesh_files(scene: Scene) -> Iterator[MeshFile]:
-    """Meshes of both bodies at position zero."""
-    pair = build_bodies(scene)
-    for z, body in enumerate(pair.bodies):
-        name, turn = f"body_{z + 1}", pair.pairing.turns_at_zero_rad[z]
-        if body.mesh is None:
-            why = "its compliance comes from a file" if body.imported is not None else "rigid"
-            yield MeshFile(name, None, f"{why}, so it has no mesh")
-            continue
-        part = f"one of {body.teeth} sectors"
-        if isinstance(body.mesh, WholeMesh):
-            flanks = len(body.mesh.flanks)
-            part = f"the whole body with {flanks} flank{'s' * (flanks > 1)}"
-        yield MeshFile(name, body.mesh, part, turn)
 
 
 def _said(switch: Switch) -> str:

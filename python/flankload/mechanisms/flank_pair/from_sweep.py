@@ -60,10 +60,8 @@ def result_of(
     if found.coast is not None:
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
-    # slices cover the common width, and their peaks are pressures
-    width = peak_width = scene.pair.face_width_mm
-    if pair.slices is not None:
-        width, peak_width = float(pair.slices.width_mm.sum()), 1.0
+    width = pair.mesh.loaded_width_mm
+    peak_width = width if pair.slices is None else 1.0  # peaks of slices are pressures
     pair_notes = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
@@ -85,12 +83,12 @@ def result_of(
         face_width_mm=width,
         estimate=estimate,
         cost=_cost(found, compliances),
-        warnings=(*pair_notes, *notes, *notes_of_sweep(pair, compliances, found, width)),
+        warnings=(*pair_notes, *notes, *notes_of_sweep(pair, compliances, found)),
         drawing=_drawing(pair),
         geometry=None if geometry is None else replace(geometry, speed_rpm=scene.effects.speed_rpm),
         root_readings=(
-            root_reading(pair, compliances[0], 0, carries, width),
-            root_reading(pair, compliances[1], 1, carries, width),
+            root_reading(pair, compliances[0], 0, carries),
+            root_reading(pair, compliances[1], 1, carries),
         ),
         follower_angle_rad=None
         if pair.pairing.motion is None

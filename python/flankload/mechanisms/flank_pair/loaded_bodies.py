@@ -12,8 +12,9 @@ from flankload.base.rotation import turned
 from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.prism.loaded_prism import loaded_prism
 from flankload.errors import SceneError
+from flankload.mechanisms.elements import prism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.stages import prism_of
+from flankload.mechanisms.protocol import NodalFields
 from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
@@ -21,44 +22,13 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.elasticity.loaded_body import LoadedBody
     from flankload.elasticity.prism.loaded_prism import LoadedPrism, SolidPart
+    from flankload.mechanisms.protocol import FieldsOfBody
     from flankload.result import PairTable, Result
     from flankload.scene import Scene
 
 
 #: Gauss points of a contact cell at which its force acts on the elements.
 POINTS = 4
-
-
-@dataclass(frozen=True, eq=False)
-class NodalFields:
-    """Fields at the M nodes of a body at one position, in the world frame.
-
-    Attributes
-    ----------
-    points_mm : (M, 2) array; (M, 3) in three dimensions
-        Undeformed positions.
-    displacement_mm : array of that shape
-        Due to the contact forces; not to temperature, speed, a press fit or shafts.
-    stress_MPa : (M, 4) array; (M, 6)
-        xx, yy, zz, xy, then yz, xz; averaged over the elements of a node.
-    contact_pressure_MPa : (M,) array
-        Normal force of a flank node divided by its area; 0 elsewhere.
-    force_N : array of the shape of the positions
-        Consistent nodal forces of the contacts, over the face width.
-    """
-
-    points_mm: Floats
-    displacement_mm: Floats
-    stress_MPa: Floats
-    contact_pressure_MPa: Floats
-    force_N: Floats
-
-    @property
-    def von_mises_MPa(self) -> Floats:
-        """(M,) Equivalent stress."""
-        xx, yy, zz, *shear = self.stress_MPa.T
-        apart = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        return np.asarray(np.sqrt(0.5 * apart + 3.0 * sum(part**2 for part in shear)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +55,11 @@ class BodyOfPair:
     body: Body
     other: Body
     loaded: LoadedBody | LoadedPrism
+
+    @property
+    def section_nodes(self) -> int:
+        """Number of nodes of a section."""
+        return len(self.loaded.nodes)
 
     def teeth(self, sites: Numbers, coast: bool) -> Numbers:
         """Teeth of the body at pair numbers."""
@@ -268,26 +243,25 @@ class SolidBody(BodyOfPair):
         return found[..., :3], pressure
 
 
-def field_bodies(scene: Scene) -> dict[str, FieldBody | SolidBody | str]:
+def field_bodies(scene: Scene) -> dict[str, FieldsOfBody | str]:
     """Both bodies of a scene by name, for the contact forces of its results.
 
     A string gives the reason why a body has no fields.
     """
     pair = build_bodies(scene)
-    bodies, elastic = pair.bodies, pair.elastic
-    found: dict[str, FieldBody | SolidBody | str] = {}
-    for z, body in enumerate(bodies):
-        name = f"body_{z + 1}"
+    found: dict[str, FieldsOfBody | str] = {}
+    for z, (name, body) in enumerate(zip(pair.names, pair.bodies, strict=True)):
+        other = pair.bodies[1 - z]
         if body.imported is not None:
             found[name] = "its compliance comes from a file, so it has no elements and no fields"
-        elif body.mesh is None or not elastic[z]:
+        elif body.mesh is None or not pair.jobs[z].elastic:
             found[name] = "rigid, so it has no fields"
         elif pair.effects.three_dimensions:
             loaded_solid = loaded_prism(body, prism_of(body, scene))
-            found[name] = SolidBody(z, body, bodies[1 - z], loaded_solid)
+            found[name] = SolidBody(z, body, other, loaded_solid)
         else:
             loaded = loaded_body(body, scene.accuracy.plane)
-            found[name] = FieldBody(z, body, bodies[1 - z], loaded)
+            found[name] = FieldBody(z, body, other, loaded)
     return found
 
 

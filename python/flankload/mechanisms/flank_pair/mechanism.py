@@ -6,13 +6,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.analysis.estimate import MOST_SWEEPS
-from flankload.mechanisms.flank_pair import data_sheet as sheet
-from flankload.mechanisms.flank_pair import description, premises
+from flankload.mechanisms.flank_pair import body_files as files
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
+from flankload.mechanisms.flank_pair.data_sheet import data_sheet
+from flankload.mechanisms.flank_pair.description import describe
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
+from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
+from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
 from flankload.mechanisms.flank_pair.prediction import predicted_work
+from flankload.mechanisms.flank_pair.premises import broken_by_geometry, broken_by_load
 from flankload.mechanisms.flank_pair.stages import (
+    Compliances,
     compliances_of,
     expanded_pair,
     with_compliance_period,
@@ -25,16 +30,15 @@ from flankload.mechanisms.flank_pair.states import (
     incomplete_estimate_notes,
     position_notes,
 )
+from flankload.mechanisms.scene_bodies import PAIR
 from flankload.pairing.body_pair import BodyPair
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flankload.cost import Account
-    from flankload.mechanisms.data_sheet import DataSheet
-    from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Counted, Description, Mechanism, MeshFile, States
+    from flankload.mechanisms.protocol import Mechanism, States
     from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
@@ -45,6 +49,7 @@ if TYPE_CHECKING:
 class FlankPair:
     """Two bodies whose flanks touch."""
 
+    body_names = PAIR
     no_flanks_reason: str | None = None
 
     def build(
@@ -53,17 +58,15 @@ class FlankPair:
         discretization: Discretization | None,
         account: Account,
         parts: Parts | None = None,
+        *,
+        modified_elements: bool = False,
     ) -> BodyPair:
         """Assemble both bodies."""
-        return with_flank_distance(scene, build_bodies(scene, discretization, parts=parts), account)
+        pair = build_bodies(scene, discretization, parts=parts, modified_elements=modified_elements)
+        return with_flank_distance(scene, pair, account)
 
-    def broken_by_geometry(self, assembly: BodyPair) -> Iterator[Broken]:
-        """Premises that the geometry violates without load."""
-        return premises.broken_by_geometry(assembly)
-
-    def work(self, scene: Scene, assembly: BodyPair) -> Counted:
-        """Counters by stage that are known before a run."""
-        return predicted_work(scene, assembly)
+    broken_by_geometry = staticmethod(broken_by_geometry)
+    work = staticmethod(predicted_work)
 
     def sweeps(self, scene: Scene) -> int:
         """Number of sweeps: states, tangents, and those of the estimate."""
@@ -101,20 +104,9 @@ class FlankPair:
         self, scene: Scene, assembly: BodyPair, states: FlankStates, number: int
     ) -> Iterator[Broken]:
         """Premises that a torque violates."""
-        return premises.broken_by_load(
-            scene, assembly, states.geometry, states.found[number], number
-        )
+        return broken_by_load(scene, assembly, states.geometry, states.found[number], number)
 
-    def estimates(
-        self,
-        scene: Scene,
-        assembly: BodyPair,
-        compliances: Compliances,
-        states: FlankStates,
-        clock: StageClock,
-    ) -> Sequence[Mapping[str, object] | None]:
-        """Error estimates, one per torque; None without torque."""
-        return error_estimates(scene, assembly, compliances, states, clock)
+    estimates = staticmethod(error_estimates)
 
     def results(
         self,
@@ -143,17 +135,12 @@ class FlankPair:
             results.append(with_iso_factor(replace(result, cost=cost), scene, assembly))
         return tuple(results)
 
-    def describe(self, scene: Scene) -> Description:
-        """Describe bodies, pairing and effects."""
-        return description.describe(scene)
-
-    def data_sheet(self, scene: Scene) -> DataSheet:
-        """Drawing data of both bodies."""
-        return sheet.data_sheet(scene)
-
-    def meshes(self, scene: Scene) -> Iterator[MeshFile]:
-        """Meshes of both bodies at position zero."""
-        return description.mesh_files(scene)
+    parameters = staticmethod(parameters_of_flanks)
+    describe = staticmethod(describe)
+    data_sheet = staticmethod(data_sheet)
+    mesh_files = staticmethod(files.mesh_files)
+    compliance_files = staticmethod(files.compliance_files)
+    fields_of_bodies = staticmethod(field_bodies)
 
 
-MECHANISM: Mechanism = FlankPair()
+MECHANISM: Mechanism[BodyPair, Compliances, FlankStates] = FlankPair()

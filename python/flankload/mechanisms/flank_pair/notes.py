@@ -34,15 +34,13 @@ SMALL_WIND_UP = 0.02
 ELEMENT_RESERVE = 1.2
 
 
-def notes_of_sweep(
-    pair: BodyPair, compliances: Compliances, found: Sweep, face_width_mm: float
-) -> Iterator[str]:
+def notes_of_sweep(pair: BodyPair, compliances: Compliances, found: Sweep) -> Iterator[str]:
     """Warnings about the states of a sweep."""
     yield from wide_nodes_notes(
         pair.bodies,
         (compliances[0].modes.nodes, compliances[1].modes.nodes),
         found.torque_Nmm,
-        face_width_mm,
+        pair.mesh.loaded_width_mm,
     )
     yield from corner_notes(pair, found)
     if found.slices is not None and found.slices.conforming:
@@ -109,7 +107,7 @@ def _positions(count: int, total: int) -> str:
 def notes_of_result(result: Result, pair: BodyPair) -> Iterator[str]:
     """Warnings about the rotation and gaps of a result."""
     yield from _large_wind_up(result)
-    if result.coast is None and any(growth is not None for growth in pair.body_loads):
+    if result.coast is None and any(job.body_load is not None for job in pair.jobs):
         yield from _overlaps(result)
 
 

@@ -20,7 +20,8 @@ from flankload.elasticity.condensed_sector import IN_PLANE
 from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
 from flankload.elasticity.sector_closure import sector_unknowns
-from flankload.mechanisms.flank_pair.stages import asks_tangential, has_tangential_loads, modes_of
+from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of
+from flankload.mechanisms.stage_clock import elements_stage
 from flankload.scene.axial import degrees_of
 from flankload.scene.effects import work_in
 
@@ -58,29 +59,25 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     known = pair.body_1.flank_angle_known and pair.body_2.flank_angle_known
     # files that give the places of the flanks take a state without load
     stages = {"bodies": {"states": 0 if known else 1}}
-    for z in (0, 1):
-        growth = pair.body_loads[z]
-        if pair.elastic[z] or (growth is not None and growth.load_cases):
-            stages[f"compliance body {z + 1}"] = _elements(scene, pair, z)
+    for z, (name, job) in enumerate(zip(pair.names, pair.jobs, strict=True)):
+        if job.needs_elements:
+            stages[elements_stage(name)] = _elements(scene, pair, z)
     return stages | _sweeps(scene, pair)
 
 
 def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
     """Work of the elements of body z."""
-    body, grows, work = (
-        pair.bodies[z],
-        pair.body_loads[z],
-        work_in(f"compliance body {z + 1}", pair.effects),
-    )
-    if not pair.elastic[z]:  # elements are needed for the expansion only
+    body, job = pair.bodies[z], pair.jobs[z]
+    work = work_in(elements_stage(pair.names[z]), pair.effects)
+    if not job.elastic:  # elements are needed for the expansion only
         work = replace(work, factorisations=1, normal_loads=1)
     # friction, finite influence coefficients and modified flanks use the same loads
     work = replace(work, tangential_loads=has_tangential_loads(body, pair.effects))
-    growth = 0 if grows is None else grows.load_cases
+    growth = 0 if job.body_load is None else job.body_load.load_cases
     modes = modes_of(body, scene, pair.discretization)
     if body.tip is not None and not pair.effects.nodal_near_field:
         modes = with_tip(modes)
-    fillets = pair.fillets[z]
+    fillets = job.fillets
     places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
     if pair.effects.three_dimensions:
         estimated = scene.accuracy.estimate and z in elements_estimated(pair)
@@ -138,7 +135,7 @@ def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
     """
     if pair.effects.nodal_near_field:
         return ()
-    return tuple(z for z in (0, 1) if pair.elastic[z] and pair.bodies[z].mesh is not None)
+    return tuple(z for z in (0, 1) if pair.jobs[z].elastic and pair.bodies[z].mesh is not None)
 
 
 def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:

@@ -112,7 +112,7 @@ def broken_by_load(
     elastic = (body for body in pair.bodies if not body.rigid)
     softer = [body.material.young_modulus_MPa for body in elastic]
     # slices have pressures, cells force per length
-    width_mm = scene.pair.face_width_mm if found.slices is None else 1.0
+    width_mm = pair.face_width_mm if found.slices is None else 1.0
     pressure = _peak_off_corners(found) / width_mm
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"
@@ -207,7 +207,7 @@ def _may_close(pair: BodyPair) -> bool:
     if pair.effects.coast_flanks:
         return False
     bodies, mesh, fit = pair.bodies, pair.pairing.gear_geometry, pair.pairing.fit
-    if any(growth is not None for growth in pair.body_loads) or any(
+    if any(job.body_load is not None for job in pair.jobs) or any(
         body.flank_turns_rad for body in bodies
     ):
         return True

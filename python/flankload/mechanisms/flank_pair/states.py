@@ -17,6 +17,7 @@ from flankload.cost import held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.flank_pair.premises import blame_load
 from flankload.mechanisms.flank_pair.stages import contact_of
+from flankload.mechanisms.stage_clock import elements_stage
 from flankload.result.geometry import pair_geometry
 from flankload.result.position_order import order_of
 from flankload.scene.discretization import position_tolerance
@@ -198,13 +199,13 @@ def error_estimates(
                 _weights(pair),
                 variants=_variants(pair, compliances),
                 lumped=lumped,
-                sources=_sources(pair, compliances, scene.pair.face_width_mm),
+                sources=_sources(pair, compliances),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
-    for z, compliance in enumerate(compliances):
+    for name, compliance in zip(pair.names, compliances, strict=True):
         account.bytes += held_bytes(compliance.fe_error)
-        clock.move(compliance.job.seconds, f"compliance body {z + 1}", "estimate")
+        clock.move(compliance.job.seconds, elements_stage(name), "estimate")
     return estimates
 
 
@@ -232,21 +233,19 @@ def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, o
 
 
 def _sources(
-    pair: BodyPair, compliances: Compliances, face_width_mm: float
+    pair: BodyPair, compliances: Compliances
 ) -> dict[str, Callable[[Sweep], dict[str, RemainingError]]]:
     """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
     sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {}
     if pair.slices is None:
-        sources["tip"] = partial(
-            tip_error, pair=pair, compliances=compliances, face_width_mm=face_width_mm
-        )
+        sources["tip"] = partial(tip_error, pair=pair, compliances=compliances)
     if pair.pitches is None:
         return sources
     window = window_of(pair)
     sources["positions"] = partial(
         of_positions, window=window, position_rad=pair.position_rad, adaptive=pair.adaptive
     )
-    others = OtherTeeth(pair, compliances, face_width_mm, window)
+    others = OtherTeeth(pair, compliances, window)
     if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)
     return sources
@@ -263,8 +262,8 @@ def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple
         )
         return (note,)
     unknown = [
-        f"body_{z + 1}"
-        for z, (body, compliance) in enumerate(zip(pair.bodies, compliances, strict=True))
+        name
+        for name, body, compliance in zip(pair.names, pair.bodies, compliances, strict=True)
         if body.imported is not None
         and compliance.fe_error is None
         and compliance.modes.nodes is None

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.cost import Account
+from flankload.mechanisms.registry import mechanism_of
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
 from flankload.scene import axial
 from flankload.scene.axial import AXIAL_DEGREE
@@ -26,7 +27,6 @@ from flankload.scene.steps import (
     STRIPS_IN_SLICES,
     ZONE,
 )
-from flankload.studies.parameters import elements_of, parameters_of
 from flankload.studies.plan.coarse_runs import CoarseRuns
 
 if TYPE_CHECKING:
@@ -116,11 +116,14 @@ _Of = tuple[dict[str, tuple[float, ...]], int, NamedDiscretization]
 
 def _of_flanks(scene: Scene) -> _Of:
     """Cells of plane bodies; degrees along the axis, slices and perhaps cells of others."""
-    length, most = elements_of(scene)
-    named: dict[str, Any] = {"flank_element_mm": length}
-    if scene.positions.angles_deg is None and build_bodies(scene).position_rad.size > 1:
-        named["count"] = scene.positions.count
-    most *= not (scene.body_1.rigid and scene.body_2.rigid)
+    mechanism = mechanism_of(scene)
+    parameters = mechanism.parameters(scene)
+    named: dict[str, Any] = {"flank_element_mm": parameters.element_mm}
+    if scene.positions.angles_deg is None:
+        several = mechanism.build(scene, None, Account()).position_rad.size > 1
+        named |= {"count": scene.positions.count} if several else {}
+    rigid = scene.body_1.rigid and scene.body_2.rigid
+    most = 0 if rigid else parameters.most_modes
     steps: dict[str, tuple[float, ...]]
     if not is_spatial(scene).on:
         steps = {name: STEPS[name].study for name in (STRIPS, ZONE)}
@@ -139,7 +142,7 @@ def _of_flanks(scene: Scene) -> _Of:
 def _of_drive(scene: Scene) -> _Of:
     """Positions of chains and belts, and the elements of belts."""
     base = NamedDiscretization(
-        flank_element_mm=parameters_of(scene).element_mm,
+        flank_element_mm=mechanism_of(scene).parameters(scene).element_mm,
         count=scene.positions.count if scene.positions.angles_deg is None else None,
     )
     return {ELEMENTS: STEPS[ELEMENTS].study[:BELT_STEPS]}, 0, base

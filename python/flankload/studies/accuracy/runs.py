@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.scene import Scene
 
-    Kept = dict[int, tuple[BodyCompliance, Account]]
+    Kept = dict[str, tuple[BodyCompliance, Account]]
 
 #: Runs below this duration are measured twice.
 REPEATED_BELOW_S = 0.5
@@ -132,9 +132,11 @@ class Runs:
             has = (more or 0, degree or 0)
             enough = has != wanted and has[0] >= wanted[0] and has[1] >= wanted[1]
             if of_elements == elements and enough:
-                fewer = {z: _with_modes(*body, modes, load_degree) for z, body in other.items()}
+                fewer = {
+                    name: _with_modes(*body, modes, load_degree) for name, body in other.items()
+                }
                 if all(body is not None for body in fewer.values()):
-                    kept.update({z: body for z, body in fewer.items() if body is not None})
+                    kept.update({name: body for name, body in fewer.items() if body is not None})
                     break
         return kept
 

@@ -16,25 +16,26 @@ from flankload.cost import Account, held_bytes
 from flankload.errors import FlankloadError, PremiseError
 from flankload.mechanisms import Earlier, Parts, mechanism_of, run_once
 from flankload.mechanisms.effect_size import States, size_of
+from flankload.mechanisms.parameters import (
+    CELLS_WORK,
+    FINITE_SECONDS,
+    STATES_SECONDS,
+    relative,
+)
 from flankload.mechanisms.premises import require_premises
+from flankload.mechanisms.stage_clock import ELEMENTS
 from flankload.mechanisms.toggles import Toggle, toggles, without_keys
 from flankload.result.slices import relative_line_loads, relative_mean_line_loads
 from flankload.scene.effects import effects_of, known_effects, switches_of
 from flankload.scene.pair import Positions
 from flankload.scene.steps import STRIPS
 from flankload.studies.coarse import NODES_APART, coarse
-from flankload.studies.parameters import (
-    CELLS_WORK,
-    FINITE_SECONDS,
-    STATES_SECONDS,
-    parameters_of,
-    relative,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.mechanisms.effect_size import Size
+    from flankload.mechanisms.parameters import Values
     from flankload.result import Result
     from flankload.result.slices import SliceLoads
     from flankload.scene import Scene
@@ -172,8 +173,8 @@ class CoarseRuns:
         if effect.size_by == "spacing":  # proportional to it
             return size.times(1.0 / NODES_APART)
         if effect.size_by == "cells":  # proportional to their width
-            values = (parameters_of(each).values for each in (coarse(self.scene), self.scene))
-            few, many = (each[STRIPS] for each in values)
+            scenes = coarse(self.scene), self.scene
+            few, many = (_values(each, None)[STRIPS] for each in scenes)
             return size.times(few / many)
         return size
 
@@ -205,7 +206,7 @@ class CoarseRuns:
         if scene in self._runs or not all(_spent_on(name, own, spent) for name in counted):
             own = spent | self._run(scene)[0].cost["stages"]
         run = coarse(scene, self._parts)
-        wanted, few = (parameters_of(each, self._parts).values for each in (scene, run))
+        wanted, few = (_values(each, self._parts) for each in (scene, run))
         part = ADAPTIVE_PART if scene.positions.adaptive else 1.0
         states = part * assembly.position_rad.size * len(scene.torques_Nm)
         more = _More(
@@ -228,15 +229,21 @@ class CoarseRuns:
         return {"bodies": replace(bodies, counters=dict(counted["bodies"])), **stages}
 
 
+def _values(scene: Scene, parts: Parts | None) -> Values:
+    """Discretization parameters of a scene."""
+    return mechanism_of(scene).parameters(scene, parts).values
+
+
 def _spent_on(name: str, own: Mapping[str, Any], base: Mapping[str, Any]) -> Mapping[str, Any]:
     """What a coarse run spent on a stage: on its own elements, on the states of the scene."""
-    if not name.startswith("compliance"):
+    if not name.startswith(ELEMENTS):
         found: Mapping[str, Any] = base.get(name, base["sweep"])
         return found
+    both = (own, base)
+    named = [stages[name] for stages in both if name in stages]
     # equal bodies are solved once
-    twin = f"compliance body {3 - int(name[-1])}"
-    parts = (stages[key] for key in (name, twin) for stages in (own, base) if key in stages)
-    return next(parts, {})
+    equal = (part for stages in both for key, part in stages.items() if key.startswith(ELEMENTS))
+    return next(iter((*named, *equal)), {})
 
 
 def _state_s(stages: Mapping[str, Any]) -> float:

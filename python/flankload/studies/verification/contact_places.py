@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.flank import FlankCurve
-    from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.gear_mesh import GearMesh
 
 #: Number of sample points on a flank for the gap.
 SAMPLES = 600
@@ -50,7 +50,7 @@ class Place:
 
 
 def contact_places(
-    pair: BodyPair,
+    pair: GearMesh,
     turns: tuple[float, float],
     *,
     force_N_per_mm: dict[int, float],
@@ -67,9 +67,7 @@ def contact_places(
     exceeds `reach` times the rotation after the first contact. Raises FlankloadError if no flanks
     meet.
     """
-    compliance = sum(
-        logarithm_strength(body.material, plane) for body in (pair.body_1, pair.body_2)
-    )
+    compliance = sum(logarithm_strength(body.material, plane) for body in pair.bodies)
     least = LEAST_FORCE_PART * sum(force_N_per_mm.values()) / len(force_N_per_mm)
     places = []
     for meeting in meetings(pair, turns):
@@ -129,16 +127,14 @@ class Meeting:
         return Place(self.site, least + late_rad, size, points, half_width, self.turns_rad)
 
 
-def meetings(pair: BodyPair, turns: tuple[float, float]) -> list[Meeting]:
+def meetings(pair: GearMesh, turns: tuple[float, float]) -> list[Meeting]:
     """Pairs of flanks with opposite points, by ascending number; the bodies are turned, rad."""
     pairing = pair.pairing
     found = []
     for number, site in enumerate(pairing.sites.tolist()):
         curve_1, curve_2 = (
             body.curve.rotated(turn + float(angles[number]))
-            for body, turn, angles in zip(
-                (pair.body_1, pair.body_2), turns, pairing.site_angles_rad, strict=True
-            )
+            for body, turn, angles in zip(pair.bodies, turns, pairing.site_angles_rad, strict=True)
         )
         gaps = _gaps(curve_1, curve_2, pairing.center_distance_mm, pairing.period_rad)
         if gaps is not None:

@@ -10,9 +10,9 @@ from msgspec import structs
 
 from flankload.base.rotation import turned
 from flankload.bodies import SectorMesh
+from flankload.cost import Account
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import bodies_of, build_bodies
-from flankload.scene.discretization import choose_discretization
+from flankload.mechanisms.registry import mechanism_of
 from flankload.scene.effects import is_spatial
 from flankload.scene.refusal import refuse, shown
 from flankload.studies.verification.contact_places import Place, contact_places, fine_sizes
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.bodies import Body
-    from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.result import Result
     from flankload.scene import Scene
 
@@ -146,8 +146,8 @@ def model_of(
     deck = Deck(
         title=f"{result.name}, position {position}",
         parts=(
-            _part(pair.body_1, flanks_of(pair, 0, sites), (turns[0], start, 0.0), size),
-            _part(pair.body_2, flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
+            _part(pair.bodies[0], flanks_of(pair, 0, sites), (turns[0], start, 0.0), size),
+            _part(pair.bodies[1], flanks_of(pair, 1, sites), (turns[1], 0.0, distance), size),
         ),
         sites=sites,
         torque_Nmm=result.torque_Nmm / result.face_width_mm,
@@ -160,7 +160,7 @@ def model_of(
 
 
 def friction_of_deck(
-    scene: Scene, pair: BodyPair, places: tuple[Place, ...]
+    scene: Scene, pair: GearMesh, places: tuple[Place, ...]
 ) -> DeckFriction | None:
     """Friction of the pairs in the deck; None without friction or sliding.
 
@@ -180,7 +180,7 @@ def friction_of_deck(
     )
 
 
-def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
+def coarse_bodies(scene: Scene, part: float | None = None) -> GearMesh:
     """Both bodies, with coarse elements on the modified flanks if flankload makes their meshes.
 
     `part` is the length of the elements along the flanks in modules.
@@ -195,7 +195,7 @@ def coarse_bodies(scene: Scene, part: float | None = None) -> BodyPair:
     return pair
 
 
-def _with_coarse_elements(scene: Scene, part: float | None) -> BodyPair:
+def _with_coarse_elements(scene: Scene, part: float | None) -> GearMesh:
     """As `coarse_bodies`, unchecked."""
     module = next(
         (spec.module_mm for spec in (scene.body_1, scene.body_2) if hasattr(spec, "module_mm")),
@@ -212,20 +212,20 @@ def _with_coarse_elements(scene: Scene, part: float | None) -> BodyPair:
         return with_modified_elements(scene)
 
 
-def with_modified_elements(scene: Scene) -> BodyPair:
+def with_modified_elements(scene: Scene) -> GearMesh:
     """Both bodies with elements on the modified flanks."""
-    discretization = choose_discretization(scene)
-    bodies = bodies_of(scene, discretization, modified_elements=True)
-    return build_bodies(scene, discretization, bodies=(bodies[0], bodies[1]))
+    mechanism = mechanism_of(scene)
+    (mesh,) = mechanism.build(scene, None, Account(), modified_elements=True).meshes
+    return mesh
 
 
-def turns_of(pair: BodyPair, position_rad: float) -> tuple[float, float]:
+def turns_of(pair: GearMesh, position_rad: float) -> tuple[float, float]:
     """Rotations of both bodies at a position, rad."""
     turn_1, turn_2 = pair.pairing.turns(np.float64(position_rad))  # type: ignore[arg-type]
     return float(turn_1), float(turn_2)
 
 
-def flanks_of(pair: BodyPair, z: int, sites: tuple[int, ...]) -> tuple[tuple[int, float], ...]:
+def flanks_of(pair: GearMesh, z: int, sites: tuple[int, ...]) -> tuple[tuple[int, float], ...]:
     """Tooth and angle of the flank of a body (0 or 1) at each site."""
     rows = np.searchsorted(pair.pairing.sites, sites)
     teeth, angles = pair.pairing.site_teeth[z][rows], pair.pairing.site_angles_rad[z][rows]

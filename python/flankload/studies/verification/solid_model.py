@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies import Body
-    from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.pairing.slices import Slices
     from flankload.result import Result
     from flankload.scene import Scene
@@ -105,25 +105,23 @@ def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements
 
 
 def _places(
-    pair: BodyPair, slices: Slices, result: Result, position: int, elements: float
+    pair: GearMesh, slices: Slices, result: Result, position: int, elements: float
 ) -> tuple[Place, ...]:
     """Places where flanks may touch in all slices, with the length of elements there."""
     assert result.slices is not None
     turns = turns_of(pair, float(result.position_rad[position]))
     largest = float(result.slices.line_load_N_per_mm[position].max())
-    compliance = sum(
-        logarithm_strength(body.material, "strain") for body in (pair.body_1, pair.body_2)
-    )
+    compliance = sum(logarithm_strength(body.material, "strain") for body in pair.bodies)
     places = []
     for j in range(slices.count):
         stand = turns[0] + float(slices.turns_rad[0][j]), turns[1] + float(slices.turns_rad[1][j])
         for meeting in meetings(pair, stand):
-            late = _removed(pair, slices, meeting.site, j) / pair.body_1.reference_radius_mm
+            late = _removed(pair, slices, meeting.site, j) / pair.bodies[0].reference_radius_mm
             places.append(meeting.place(compliance * largest, elements, late))
     return reachable(places, float(result.rotation_rad[position]), REACH)
 
 
-def _removed(pair: BodyPair, slices: Slices, site: int, j: int) -> float:
+def _removed(pair: GearMesh, slices: Slices, site: int, j: int) -> float:
     """Upper bound of the metal removed from both flanks of a site in a slice, mm."""
     total = 0.0
     for z in (0, 1):
@@ -137,12 +135,12 @@ def _removed(pair: BodyPair, slices: Slices, site: int, j: int) -> float:
 
 
 def _part(
-    pair: BodyPair, z: int, places: tuple[Place, ...], edges: Floats, stand: Stand, elements: float
+    pair: GearMesh, z: int, places: tuple[Place, ...], edges: Floats, stand: Stand, elements: float
 ) -> Part:
     """One body: its section refined, then in layers at its place."""
     from scipy.spatial import cKDTree
 
-    body: Body = (pair.body_1, pair.body_2)[z]
+    body = pair.bodies[z]
     sites = tuple(sorted({place.site for place in places}))
     axis = [z * pair.pairing.center_distance_mm, 0.0]
     points = [turned(place.points - axis, -place.turns_rad[z]) for place in places]

@@ -1,0 +1,227 @@
+"""Compliances of the bodies of a scene, one at a time, for every kind of drive."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from flankload.cost import Account, held_bytes
+from flankload.elasticity.compliance import (
+    BodyCompliance,
+    Expansion,
+    JobOptions,
+    flank_compliance,
+    no_compliance,
+)
+from flankload.elasticity.compliance.modified_flank import on_modified_flank
+from flankload.elasticity.imported_compliance import imported_compliance
+from flankload.elasticity.nodal_loads import nodes_of
+from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.mechanisms.reuse import Parts
+from flankload.mechanisms.stage_clock import elements_stage
+from flankload.pairing.body_pair import BodyJob
+from flankload.scene.axial import degrees_of
+from flankload.scene.discretization import Discretization, choose_discretization
+from flankload.scene.effects import effects_of
+
+if TYPE_CHECKING:
+    from flankload.bodies import Body
+    from flankload.mechanisms.stage_clock import Kept, StageClock
+    from flankload.pairing.expansion import BodyLoad
+    from flankload.scene import Scene
+    from flankload.scene.effects import Effects
+
+#: Effects that need loads along the flanks.
+FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"
+
+
+def elements_call(
+    body: Body,
+    scene: Scene,
+    discretization: Discretization,
+    job: BodyJob,
+    *,
+    estimate: bool = False,
+    tangential: bool = False,
+) -> partial[BodyCompliance]:
+    """The call that computes the compliance of an elastic body; its arguments determine it.
+
+    Parameters as in `compliance_of`; `tangential`: loads along the flank are solved in any case.
+    """
+    body_load = job.body_load
+    effects, own = effects_of(scene), body.for_elements()
+    if effects.three_dimensions:
+        return partial(
+            prism_compliance,
+            own,
+            prism_of(own, scene),
+            n_modes=modes_of(own, scene, discretization),
+            friction=has_tangential_loads(body, effects) or tangential,
+            fillets=job.fillets,
+            estimate=estimate,
+        )
+    # tangential displacement under normal loads equals the transposed reaction to tangential loads
+    if own.imported is not None:
+        return partial(
+            imported_compliance,
+            own,
+            modes=scene.accuracy.modes,
+            default_modes=discretization.modes,
+            plane=scene.accuracy.plane,
+            tangential=asks_tangential(effects),
+            nodal=effects.nodal_near_field,
+        )
+    return partial(
+        flank_compliance,
+        own,
+        JobOptions(
+            n_modes=modes_of(own, scene, discretization),
+            plane=scene.accuracy.plane,
+            friction=has_tangential_loads(body, effects) or tangential,
+            along=effects.friction and effects.finite_influence,
+            nodal=effects.nodal_near_field,
+            coast_flanks=scene.effects.coast_flank,
+            fillets=job.fillets,
+            estimate=estimate,
+        ),
+        sectors=scene.sectors,
+        body_load=body_load if body_load is not None and body_load.needs_elements else None,
+    )
+
+
+def has_tangential_loads(body: Body, effects: Effects) -> bool:
+    """Whether the elements of a body are solved for tangential loads.
+
+    Friction and finite influence coefficients need them, and modified flanks, whose forces have
+    another direction than the flank of the elements.
+    """
+    return body.elements is not None or asks_tangential(effects) is not None
+
+
+def asks_tangential(effects: Effects) -> str | None:
+    """The effect that requires the response to tangential loads, in words."""
+    if effects.friction:
+        return FRICTION
+    return FINITE if effects.finite_influence else None
+
+
+def compliance_of(
+    body: Body,
+    scene: Scene,
+    discretization: Discretization | None = None,
+    job: BodyJob | None = None,
+    *,
+    estimate: bool = False,
+) -> BodyCompliance:
+    """Compliance of one elastic body: from its finite elements, or imported.
+
+    Parameters
+    ----------
+    scene : Scene
+        Sets plane state and pressure modes.
+    discretization : Discretization, optional
+        By default that of the scene.
+    job : BodyJob, optional
+        By default for contact forces alone.
+    estimate : bool
+        Whether the discretization error of the elements is estimated.
+    """
+    discretization, job = discretization or choose_discretization(scene), job or BodyJob(True)
+    call = elements_call(body, scene, discretization, job, estimate=estimate)
+    return _in_scene(call(), body, scene, job.body_load)
+
+
+def _in_scene(
+    found: BodyCompliance, body: Body, scene: Scene, body_load: BodyLoad | None
+) -> BodyCompliance:
+    """Apply uniform expansion, modified flanks and coupling, which need no elements."""
+    if body_load is not None and (body.imported is not None or not body_load.needs_elements):
+        found = replace(found, expansion=Expansion(body_load.strain))
+    if body.elements is not None:
+        found = on_modified_flank(found, body)
+    found = replace(found, along_near=None)  # for the modified flanks of other scenes only
+    if asks_tangential(effects_of(scene)) is None:
+        found = found.without_friction()
+    return found if scene.effects.tooth_coupling else found.without_coupling()
+
+
+def solve_body(
+    scene: Scene,
+    name: str,
+    body: Body,
+    job: BodyJob,
+    discretization: Discretization,
+    clock: StageClock,
+    kept: Kept,
+    parts: Parts | None = None,
+) -> BodyCompliance:
+    """Compliance of a body: from one finite-element job, imported, or none of a rigid body.
+
+    A compliance that is missing in `kept` is added to it. One that is found in `parts`, those of
+    earlier runs, has no stage and no cost.
+    """
+    stage, wide = elements_stage(name), parts or Parts()
+    if not job.needs_elements:
+        return no_compliance(body, job.body_load)
+    if name in kept:
+        compliance, account = kept[name]
+        clock.stages[stage] = replace(account)
+        return compliance
+    call = elements_call(
+        body,
+        scene,
+        discretization,
+        job,
+        estimate=(scene.accuracy.estimate or wide.estimate) and job.elastic,
+        tangential=wide.tangential,
+    )
+    key, held = (None, None) if parts is None else parts.find(call)
+    if held is not None:
+        return _in_scene(held, body, scene, job.body_load)
+    with clock.stage(stage) as account:
+        watched = {"account": Account(on_part=clock.part_progress(stage))}
+        solved = call(**(watched if effects_of(scene).three_dimensions else {}))
+        compliance = _in_scene(solved, body, scene, job.body_load)
+        account.count(**compliance.job.counters)
+        # the estimate includes the discretization error of the elements
+        account.bytes += held_bytes(replace(compliance, fe_error=None))
+        account.workspace_bytes += compliance.job.workspace_bytes
+    if parts is not None and key is not None:
+        # later runs have no cost
+        counts = replace(solved.job, seconds={}, counters={}, workspace_bytes=0)
+        parts.add(key, replace(solved, job=counts))
+    kept[name] = (compliance, replace(account))
+    return compliance
+
+
+def prism_of(body: Body, scene: Scene) -> Prism:
+    """Axial extension of a three-dimensional body, with the polynomial degrees of a scene."""
+    axial = body.axial
+    assert axial is not None
+    degree, load_degree = degrees_of(scene.accuracy)
+    return Prism(
+        axial.range_mm,
+        axial.twist_rad_per_mm,
+        degree=degree,
+        load_degree=load_degree,
+        regions=axial.regions,
+        shaft=axial.flexible,
+    )
+
+
+def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
+    """Number of pressure modes of a flank with elements, or of its nodes that carry unit forces.
+
+    That of the discretization is used if the scene names no number; the degree is at most half the
+    number of flank elements, since more modes make a coarse mesh worse.
+    """
+    if scene.effects.near_field == "nodes" and body.mesh is not None:
+        return nodes_of(body.mesh).size
+    asked, wanted = scene.accuracy.modes, discretization.modes
+    if body.modes_factor > 1.0:
+        asked, wanted = None, round(body.modes_factor * (asked or wanted))
+    if asked is not None or body.mesh is None:
+        return asked or 0
+    count = max(2, min(wanted, body.mesh.flank_elements // 2 + 1))
+    return count - 1 + count % 2 if body.curve.closed else count
