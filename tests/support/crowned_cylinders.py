@@ -39,7 +39,8 @@ def cut(
     z = 0.5 * (edges[1:] + edges[:-1])
     none = np.zeros_like(z)
     removed = (none if gap is None else gap, none)
-    return Slices(edges, (bodies[0].twist * z, bodies[1].twist * z), removed)
+    turns = (bodies[0].twist * z, bodies[1].twist * z)
+    return Slices(edges, turns, removed, line_load_mm=1.0)
 
 
 @dataclass(frozen=True)

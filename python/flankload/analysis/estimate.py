@@ -119,6 +119,7 @@ LUMPED_IN_SLICES = {
 ON_CORNERS = (
     "contact on sharp corners, where no finite pressure exists (tip_radius_mm makes it finite)"
 )
+ON_ENDS = "contact on sharp ends, where no finite pressure exists (end_relief_um makes it finite)"
 ON_TIPS = "contact on a rounding or a chamfer, where the pressure converges slowly"
 #: Largest number of sweeps of an estimate.
 MOST_SWEEPS = 3
@@ -267,7 +268,9 @@ def _uncertain_pressure(
 ) -> dict[str, str]:
     """The peak pressure with the reason if no estimate bounds its error; else nothing."""
     if on_corner(part.site_corner).any():
-        return {"peak_pressure": ON_CORNERS}
+        slices = part.slices
+        ends = slices is not None and not on_corner(slices.corner_off_ends).any()
+        return {"peak_pressure": ON_ENDS if ends else ON_CORNERS}
     pairs = part.pairs
     loaded = pairs.column("force") > 0
     on_tip = any(
@@ -352,7 +355,7 @@ def _shaped_part(found: Sweep) -> float:
     """
     corner, force = found.site_corner, found.site_force_N
     if found.slices is not None:
-        corner, force = found.slices.corner, found.slices.force_N
+        corner, force = found.slices.corner_off_ends, found.slices.force_N
     marked = is_marked(corner) & (force > 0)
     if not marked.any():
         return 0.0

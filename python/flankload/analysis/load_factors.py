@@ -6,7 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.result.slices import relative_line_loads, relative_mean_line_loads
+from flankload.result.slices import (
+    mean_line_loads,
+    relative_line_loads,
+    relative_mean_line_loads,
+)
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -14,10 +18,11 @@ if TYPE_CHECKING:
 
 
 def largest_line_loads(found: Sweep) -> Floats:
-    """(P,) Largest line load of any flank at each position, N/mm."""
+    """(P,) Largest mean line load of any flank at each position, N/mm."""
     slices = found.slices
     assert slices is not None
-    return np.asarray((slices.force_N / np.diff(slices.edges_mm)).max(axis=(1, 2)))
+    width = np.diff(slices.edges_mm)
+    return mean_line_loads(slices.force_N, width, slices.line_load_mm).max(axis=(1, 2))
 
 
 def line_load_factors(found: Sweep) -> Floats:
@@ -25,7 +30,9 @@ def line_load_factors(found: Sweep) -> Floats:
     slices = found.slices
     assert slices is not None
     width = np.diff(slices.edges_mm)
-    relative = relative_line_loads(slices.force_N, width, each=slices.conforming)
+    relative = relative_line_loads(
+        slices.force_N, width, slices.line_load_mm, each=slices.conforming
+    )
     return np.asarray(relative.reshape(len(relative), -1).max(axis=1))
 
 
@@ -36,4 +43,5 @@ def face_load_factor(found: Sweep, weights: Floats) -> float:
     if slices.conforming:
         return float(line_load_factors(found)[weights > 0].max())
     width = np.diff(slices.edges_mm)
-    return float(relative_mean_line_loads(slices.force_N, width, weights).max())
+    loads = relative_mean_line_loads(slices.force_N, width, slices.line_load_mm, weights)
+    return float(loads.max())

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
+
     Corners = NDArray[np.int64]
 
 
@@ -70,6 +72,23 @@ class SiteCorner(IntEnum):
 def on_corner(corners: Corners) -> NDArray[np.bool_]:
     """Whether each site has contact on a sharp corner of a body."""
     return np.asarray(corners >= SiteCorner.CORNER_1)
+
+
+def with_sharp_ends(
+    corners: Corners, force_N: Floats, sharp_ends: tuple[int, int]
+) -> NDArray[np.int64]:
+    """Corners (P, S, J) of slices, with contact on sharp ends (`Slices`) that carry load."""
+    marked = corners.copy()
+    for j, body in ((0, sharp_ends[0]), (-1, sharp_ends[1])):
+        if body:
+            carries = (force_N[..., j] > 0) & ~on_corner(corners[..., j])
+            marked[..., j][carries] = SiteCorner.of_body(body - 1)
+    return marked
+
+
+def worst_corner(corners: Corners) -> NDArray[np.int64]:
+    """Corner (P, S) of each site from those of its slices (P, S, J): contact on one comes first."""
+    return np.where(on_corner(corners).any(axis=2), corners.max(axis=2), corners.min(axis=2))
 
 
 def is_marked(corners: Corners) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ import numpy as np
 from flankload.contact.body_record import core_sites, records_of
 from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts
 from flankload.contact.pair_table import PackedPairs, join_pairs
-from flankload.contact.status import on_corner, raise_first_failure
+from flankload.contact.status import SiteCorner, raise_first_failure, with_sharp_ends, worst_corner
 from flankload.cost import Account
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates", "UnloadedStates")
 
 #: Fields of a sweep without an axis of positions.
-WITHOUT_POSITIONS = ("torque_Nmm", "edges_mm", "conforming")
+WITHOUT_POSITIONS = ("torque_Nmm", "edges_mm", "line_load_mm", "sharp_ends", "conforming")
 #: Allocated pairs in the first call, per position and torque: twice the usual number.
 INITIAL_PAIRS = 256
 #: The same for contact on all teeth, per site and cell between the middle and the edge of its zone:
@@ -55,6 +55,10 @@ class SliceStates:
         Force, largest pressure and corner (as `Sweep.site_corner`) of each slice.
     edges_mm : (J + 1,) array
         Ends of the slices along the axis.
+    line_load_mm : float
+        Length over which line loads are means.
+    sharp_ends : (int, int)
+        As in `Slices`.
     conforming : bool
         Whether the flanks conform; pressures are then means over the height.
     """
@@ -63,7 +67,21 @@ class SliceStates:
     peak_MPa: NDArray[np.float64]
     corner: NDArray[np.int64]
     edges_mm: NDArray[np.float64]
+    line_load_mm: float
+    sharp_ends: tuple[int, int]
     conforming: bool = False
+
+    @property
+    def corner_off_ends(self) -> NDArray[np.int64]:
+        """(P, S, J) Corners, but contact on sharp ends only as one that no parabola approximates.
+
+        A corner of a tip, whose force turns, also in such a slice is found in its neighbours.
+        """
+        corner = self.corner.copy()
+        for j, body in ((0, self.sharp_ends[0]), (-1, self.sharp_ends[1])):
+            if body:
+                corner[..., j] = np.minimum(corner[..., j], SiteCorner.NOT_PARABOLIC)
+        return corner
 
 
 @dataclass(frozen=True)
@@ -237,16 +255,21 @@ def _over_slices(found: Sweep, slices: Slices) -> Sweep:
         part.reshape(shape)
         for part in (found.site_force_N, found.site_peak_N_per_mm, found.site_corner)
     )
-    # contact on a corner in any slice has precedence over other values
-    worst = np.where(on_corner(corner).any(axis=2), corner.max(axis=2), corner.min(axis=2))
+    corner = with_sharp_ends(corner, force, slices.sharp_ends)
     return replace(
         found,
         site_force_N=force.sum(axis=2),
         site_peak_N_per_mm=peak.max(axis=2),
-        site_corner=worst,
+        site_corner=worst_corner(corner),
         site_force_per_torque=force.sum(axis=2) / (found.torque_Nmm or 1.0),
         slices=SliceStates(
-            force, peak, corner, slices.edges_mm, conforming=slices.conforming is not None
+            force,
+            peak,
+            corner,
+            slices.edges_mm,
+            slices.line_load_mm,
+            slices.sharp_ends,
+            conforming=slices.conforming is not None,
         ),
         pairs=found.pairs.in_slices(slices.count),
     )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.gauss import leggauss
+from flankload.base.rounding import TIE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
 
 #: Default number of slices over the common face width.
 SLICES = 28
+#: Part of the common face width over which line loads are means by default: two default slices.
+#: At the end of a narrower body the mean converges to 0.1 % with 20 and more slices and cells, over
+#: half of that length to 2 %; of smooth loads it lowers K_Hbeta by less than 1 %.
+LINE_LOAD_PART = 1 / 14
 #: Gauss points for the mean gap of a slice, exact for parabolas.
 GAP_POINTS = 3
 #: Width of the slices of cells at the ends, over that in the middle, and growth from the ends.
@@ -48,6 +53,11 @@ class Slices:
     surfaces_mm : two (J, m) arrays or None
         Further metal removed at the places of a surface over the height of the flanks; None
         without.
+    line_load_mm : float
+        Length over which line loads are means.
+    sharp_ends : (int, int)
+        Number of the body whose flanks end within those of the other one, at smaller and larger z;
+        0 where both end together. Such an end is a sharp corner.
     conforming : CommonHeight or None
         Common height of conforming flanks (splines); None for line contact.
     """
@@ -55,6 +65,8 @@ class Slices:
     edges_mm: Floats
     turns_rad: tuple[Floats, Floats]
     removed_mm: tuple[Floats, Floats]
+    line_load_mm: float
+    sharp_ends: tuple[int, int] = (0, 0)
     of_teeth_mm: tuple[Floats | None, Floats | None] = (None, None)
     surfaces_mm: tuple[Floats | None, Floats | None] = (None, None)
     conforming: CommonHeight | None = None
@@ -99,6 +111,8 @@ class Slices:
             edges_mm=np.append(self.edges_mm[first], self.edges_mm[-1]),
             turns_rad=each(self.turns_rad),
             removed_mm=each(self.removed_mm),
+            line_load_mm=self.line_load_mm,
+            sharp_ends=self.sharp_ends,
             of_teeth_mm=(one, two),
             surfaces_mm=(three, four),
             conforming=self.conforming,
@@ -133,6 +147,7 @@ def slices_of(
     misalignment_per_mm: float,
     *,
     graded: bool = False,
+    line_load_mm: float | None = None,
 ) -> Slices:
     """Slices of the common face width.
 
@@ -144,6 +159,8 @@ def slices_of(
         Gap per length along z by the misalignment of the axes.
     graded : bool
         Narrower slices at both ends, which resolve the pressure there, instead of equal ones.
+    line_load_mm : float or None
+        Length over which line loads are means, a part `LINE_LOAD_PART` of the width by default.
     """
     one, two = shapes
     low = max(one.range_mm[0], two.range_mm[0])
@@ -169,9 +186,22 @@ def slices_of(
             one.gap_mm(inside) @ weights / 2.0,
             two.gap_mm(inside) @ weights / 2.0 + misalignment_per_mm * z,
         ),
+        line_load_mm=line_load_mm or LINE_LOAD_PART * (high - low),
+        sharp_ends=_sharp_ends(one.range_mm, two.range_mm),
         of_teeth_mm=(of_teeth(one), of_teeth(two)),
         surfaces_mm=(surface(one), surface(two)),
     )
+
+
+def _sharp_ends(one: tuple[float, float], two: tuple[float, float]) -> tuple[int, int]:
+    """Body whose end is inside the range of the other one, at both ends; 0 without one."""
+    least = TIE * (one[1] - one[0])
+    low, high = one[0] - two[0], two[1] - one[1]
+
+    def body(inside: float) -> int:
+        return 0 if abs(inside) <= least else 1 if inside > 0 else 2
+
+    return body(low), body(high)
 
 
 def _ends_of_slices(low: float, high: float, count: int, *, graded: bool) -> Floats:

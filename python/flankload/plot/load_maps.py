@@ -104,7 +104,7 @@ def draw_line_load(axes: Axes, results: Results, *, position: int | None = None)
     result, p = at_largest_line_load(results, position)
     slices = result.slices
     assert slices is not None
-    load = slices.line_load_N_per_mm
+    load = slices.mean_line_load_N_per_mm
     ends = _edges(slices.z_mm, slices.width_mm)
     for s, site in loaded_sites(result):
         if not load[p, s].any():
@@ -121,12 +121,13 @@ def draw_line_load(axes: Axes, results: Results, *, position: int | None = None)
     summed = load[p].sum(axis=0)
     if np.count_nonzero(load[p].any(axis=1)) > 1:
         axes.stairs(summed, ends, color=GREY, linewidth=1.0, label="all pairs")
-    mean = float(summed @ slices.width_mm / slices.width_mm.sum())
+    mean = float(slices.force_N[p].sum() / slices.width_mm.sum())
     dashes, words = (0, (4, 2)), f"mean {mean:.0f} N/mm"
     axes.axhline(mean, color=GREY, linewidth=1.0, linestyle=dashes, label=words)
+    length = slices.line_load_length_mm
     title = f"at this position {slices.relative_line_load[p].max():.3f}"
     if result.position_rad.size > 1 and slices.directions is None:
-        averaged = slices.weights @ slices.force_N.sum(axis=1) / slices.width_mm
+        averaged = np.tensordot(slices.weights, load.sum(axis=1), axes=1)
         words = "all pairs, averaged over the mesh"
         axes.stairs(averaged, ends, color=GREY, linewidth=1.4, linestyle=(0, (1, 1)), label=words)
         factor = f"{slices.face_load_factor:.3f}{plus_minus(result, 'face_load_factor')}"
@@ -135,7 +136,7 @@ def draw_line_load(axes: Axes, results: Results, *, position: int | None = None)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("axial position z in mm")
     axes.set_ylabel("line load in N/mm")
-    legend_below(axes, ncols=2, title=f"largest over mean: {title}")
+    legend_below(axes, ncols=2, title=f"largest over mean: {title}; means over {length:.3g} mm")
 
 
 @picture(at_largest_line_load)
@@ -162,7 +163,7 @@ def draw_line_load_map(axes: Axes, results: Results) -> None:
     place = places_on_way(result)
     order = np.argsort(place, axis=None, kind="stable")
     along = place.ravel()[order]
-    load = slices.line_load_N_per_mm.reshape(-1, slices.z_mm.size)[order]
+    load = slices.mean_line_load_N_per_mm.reshape(-1, slices.z_mm.size)[order]
     axes.grid(visible=False)
     shown = axes.pcolormesh(
         _midpoints(along),

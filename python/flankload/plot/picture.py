@@ -81,7 +81,7 @@ def of_largest_force(result: Result) -> int:
 
 def of_largest_line_load(result: Result) -> int:
     """Position of the largest line load."""
-    return int(np.argmax(result.slice_line_load_N_per_mm.max(axis=(1, 2))))
+    return int(np.argmax(result.mean_line_load_N_per_mm.max(axis=(1, 2))))
 
 
 at_largest_force, at_largest_line_load = at(of_largest_force), at(of_largest_line_load)

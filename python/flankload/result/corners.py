@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.bodies import Body
-    from flankload.contact.sweep import Sweep
+    from flankload.contact.sweep import SliceStates, Sweep
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.optional_results import CoastContact
     from flankload.result.result import Result
@@ -43,6 +43,9 @@ CORNERS = {
     ),
 }
 TIP = ("its sharp tip corner", "{body}.tip_radius_mm rounds it")
+#: Ends of flanks on flanks that extend further along the axis.
+END = ("the sharp end of its flanks", "{body}.end_relief_um relieves it")
+END_OF_SPLINE = (END[0], "{body}.lead_crowning_um relieves it")
 #: If tips and fillets are left out.
 CUT = ("the end of its active flank", "the tip or fillet beyond it is excluded from contact")
 #: For bodies with an imported profile.
@@ -70,7 +73,7 @@ def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
     at: dict[tuple[str, str], set[int]] = {}
     for z, body in enumerate(pair.bodies):
         for p, s in _places(found, z):
-            what, cure = _corner(body, s)
+            what, cure = _end(found) if s is None else _corner(body, s)
             cure = cure.format(body=f"body_{z + 1}")
             at.setdefault((f"body_{z + 1} touches with {what}", cure), set()).add(p)
     for (touches, cure), positions in at.items():
@@ -80,15 +83,19 @@ def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
         )
 
 
-def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
+def _places(found: Sweep, z: int) -> Iterator[tuple[int, float | None]]:
     """Position, and place of the largest pressure, for contact on a corner of body z.
 
-    In three dimensions, for each slice with such a contact.
+    In three dimensions, for each slice with such a contact; None at a sharp end of the flanks.
     """
     names = found.pairs.names
     place, force, cell = (names.index(name) for name in (f"s_{z + 1}", "force", "cell"))
     corner = found.site_corner if found.slices is None else found.slices.corner
+    ends = () if found.slices is None else _sharp_slices(found.slices, z)
     for p, *at in np.argwhere(corner == SiteCorner.of_body(z)).tolist():
+        if len(at) > 1 and at[1] in ends:
+            yield p, None
+            continue
         sites, table = found.pairs.at(p)
         rows = sites == at[0]
         if len(at) > 1:
@@ -96,6 +103,18 @@ def _places(found: Sweep, z: int) -> Iterator[tuple[int, float]]:
         if rows.any():
             loaded = table[rows]
             yield p, float(loaded[np.argmax(loaded[:, force] / loaded[:, cell]), place])
+
+
+def _sharp_slices(slices: SliceStates, z: int) -> tuple[int, ...]:
+    """Slices at sharp ends of body z."""
+    last = slices.force_N.shape[2] - 1
+    return tuple(j for j, of in zip((0, last), slices.sharp_ends, strict=True) if of == z + 1)
+
+
+def _end(found: Sweep) -> tuple[str, str]:
+    """The sharp end of the flanks, and the key that relieves it."""
+    assert found.slices is not None
+    return END_OF_SPLINE if found.slices.conforming else END
 
 
 def _corner(body: Body, s: float) -> tuple[str, str]:

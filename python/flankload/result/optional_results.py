@@ -137,6 +137,13 @@ class EffectResults(LoadedPositions):
         return self.slices.line_load_N_per_mm
 
     @property
+    def mean_line_load_N_per_mm(self) -> Floats:
+        """(P, S, J) Mean of the line load over `line_load_length_mm` about each slice."""
+        if self.slices is None:
+            return self.line_load_N_per_mm[..., np.newaxis]
+        return self.slices.mean_line_load_N_per_mm
+
+    @property
     def tilt_um_per_mm(self) -> Floats | None:
         """(P,) Slope of the gap along z by both shafts, um/mm; None without shafts."""
         return None if self.shafts is None else self.shafts.tilt_um_per_mm

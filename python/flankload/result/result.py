@@ -167,6 +167,7 @@ class Result(EffectResults, ResultForms):
         `coast_flanks_loaded_min`, `coast_flanks_loaded_max` (numbers of them at once) and the
         largest `coast_force_N`, `coast_peak_pressure_MPa` and `coast_corner_pressure_MPa` with
         their positions and pairs. In three dimensions `face_load_factor`, `line_load_factor`,
+        `line_load_length_mm` (over which these and the largest line load are means),
         `peak_line_load_z_mm` and the largest magnitudes `axial_force_N` and `tilting_moment_Nm`;
         with shafts `tilt_mean_um_per_mm` and the largest force on each bearing, and `k_h_beta_iso`
         for comparison if one bends under the

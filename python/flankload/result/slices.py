@@ -10,6 +10,7 @@ import numpy as np
 
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
+from flankload.base.rounding import TIE
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -30,6 +31,8 @@ class SliceLoads(KeepsReadOnly, Card):
         Tangent of the helix angle on the base cylinder of body 1, positive for a right hand.
     cosine_helix_base : float
         Part of a force normal to the flank that lies in the transverse section.
+    line_load_length_mm : float
+        Length over which mean line loads are means; slices that are longer count themselves.
     weights : (P,) array
         Parts of the positions in means over the period; their sum is 1.
     directions : (P, S, 2) array or None
@@ -43,6 +46,7 @@ class SliceLoads(KeepsReadOnly, Card):
     peak_pressure_MPa: Floats
     tangent_helix_base: float
     cosine_helix_base: float
+    line_load_length_mm: float
     weights: Floats
     directions: Floats | None = None
 
@@ -56,17 +60,29 @@ class SliceLoads(KeepsReadOnly, Card):
 
     @cached_property
     def line_load_N_per_mm(self) -> Floats:
-        """(P, S, J) Force per mm of face width."""
+        """(P, S, J) Force per mm of face width, mean over each slice."""
         return frozen(self.force_N / self.width_mm)
 
     @cached_property
+    def mean_line_load_N_per_mm(self) -> Floats:
+        """(P, S, J) The same as mean over `line_load_length_mm` about the middle of each slice.
+
+        It has a limit for narrower slices also at sharp ends, where line loads have none.
+        """
+        return frozen(mean_line_loads(self.force_N, self.width_mm, self.line_load_length_mm))
+
+    @cached_property
     def relative_line_load(self) -> Floats:
-        """(P, J) Line load summed over all flanks, divided by its mean over the face width.
+        """(P, J) Mean line load summed over all flanks, divided by its mean over the face width.
 
         Of a spline (P, S, J), the line load of each tooth, divided by the mean of all teeth. 1 at
         positions without load.
         """
-        return frozen(relative_line_loads(self.force_N, self.width_mm, each=self._each))
+        return frozen(
+            relative_line_loads(
+                self.force_N, self.width_mm, self.line_load_length_mm, each=self._each
+            )
+        )
 
     @cached_property
     def relative_mean_line_load(self) -> Floats:
@@ -78,7 +94,11 @@ class SliceLoads(KeepsReadOnly, Card):
         """
         if self._each:
             return self.relative_line_load
-        return frozen(relative_mean_line_loads(self.force_N, self.width_mm, self.weights))
+        return frozen(
+            relative_mean_line_loads(
+                self.force_N, self.width_mm, self.line_load_length_mm, self.weights
+            )
+        )
 
     @property
     def line_load_factor(self) -> float:
@@ -100,7 +120,7 @@ class SliceLoads(KeepsReadOnly, Card):
         """(P, S) Largest line load of a flank divided by its mean; 1 for an unloaded flank."""
         mean = self.force_N.sum(axis=2) / self.width_mm.sum()
         factors = np.ones_like(mean)
-        np.divide(self.line_load_N_per_mm.max(axis=2), mean, out=factors, where=mean > 0)
+        np.divide(self.mean_line_load_N_per_mm.max(axis=2), mean, out=factors, where=mean > 0)
         return frozen(factors)
 
     @cached_property
@@ -148,14 +168,32 @@ class SliceLoads(KeepsReadOnly, Card):
         )
 
 
-def relative_line_loads(force_N: Floats, width_mm: Floats, *, each: bool = False) -> Floats:
-    """Line load divided by its mean over the face width at each position.
+def mean_line_loads(force_N: Floats, width_mm: Floats, length_mm: float) -> Floats:
+    """Means (…, J) of the line load over a length, from forces (…, J) of slices of (J,) widths.
+
+    A mean is taken about the middle of each slice, but within the face width, and over the slice
+    itself if that is longer.
+    """
+    edges = np.concatenate([[0.0], np.cumsum(width_mm)])
+    length = np.minimum(np.maximum(length_mm, width_mm), edges[-1])
+    low = np.clip(0.5 * (edges[1:] + edges[:-1] - length), 0.0, edges[-1] - length)
+    inside = np.minimum.outer(low + length, edges[1:]) - np.maximum.outer(low, edges[:-1])
+    inside[inside < TIE * edges[-1]] = 0.0
+    return np.asarray(force_N @ (inside / np.multiply.outer(length, width_mm)).T)
+
+
+def relative_line_loads(
+    force_N: Floats, width_mm: Floats, length_mm: float, *, each: bool = False
+) -> Floats:
+    """Mean line load divided by its mean over the face width at each position.
 
     Parameters
     ----------
     force_N : (P, S, J) array
     width_mm : (J,) array
         Widths of the slices.
+    length_mm : float
+        Length over which line loads are means.
     each : bool
         Of single flanks, divided by the mean of all of them, instead of sums over the flanks.
 
@@ -169,11 +207,14 @@ def relative_line_loads(force_N: Floats, width_mm: Floats, *, each: bool = False
     total = force.sum(axis=axes, keepdims=True)
     flanks = force_N.shape[1] if each else 1
     relative = np.ones_like(force)
-    np.divide(flanks * width_mm.sum() * force, width_mm * total, out=relative, where=total > 0)
+    loads = mean_line_loads(force, width_mm, length_mm)
+    np.divide(flanks * width_mm.sum() * loads, total, out=relative, where=total > 0)
     return relative
 
 
-def relative_mean_line_loads(force_N: Floats, width_mm: Floats, weights: Floats) -> Floats:
+def relative_mean_line_loads(
+    force_N: Floats, width_mm: Floats, length_mm: float, weights: Floats
+) -> Floats:
     """(J,) The same for the mean over positions with weights (P,); sums over the flanks."""
     mean = np.tensordot(weights, force_N, axes=1)
-    return np.asarray(relative_line_loads(mean[np.newaxis], width_mm)[0])
+    return np.asarray(relative_line_loads(mean[np.newaxis], width_mm, length_mm)[0])

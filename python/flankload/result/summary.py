@@ -97,7 +97,7 @@ def key_figures(result: Result) -> Summary:
 
 def summary(result: Result) -> Summary:
     """`Result.summary`."""
-    line_load = result.slice_line_load_N_per_mm.max(axis=2)
+    line_load = result.mean_line_load_N_per_mm.max(axis=2)
     sliding, gap = np.abs(result.sliding_mm_per_rad), result.coast_flank_gap_um
     entries = {
         **result.key_figures,
@@ -200,10 +200,11 @@ def _of_slices(result: Result) -> dict[str, float]:
     slices = result.slices
     if slices is None:
         return {}
-    _, _, j = np.unravel_index(slices.line_load_N_per_mm.argmax(), slices.force_N.shape)
+    _, _, j = np.unravel_index(slices.mean_line_load_N_per_mm.argmax(), slices.force_N.shape)
     return {
         "face_load_factor": slices.face_load_factor,
         "line_load_factor": slices.line_load_factor,
+        "line_load_length_mm": slices.line_load_length_mm,
         "peak_line_load_z_mm": float(slices.z_mm[j]),
         "axial_force_N": float(np.abs(slices.axial_force_N).max()),
         "tilting_moment_Nm": float(np.abs(slices.tilting_moment_Nm).max()),

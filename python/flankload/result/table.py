@@ -228,6 +228,7 @@ def _contact_lines(result: Result) -> Iterator[Line]:
         if "face_load_factor" in summary:
             text = f"K_Hbeta {summary['face_load_factor']:.3f}, {text}"
             text += f", of all pairs {summary['line_load_factor']:.3f} times the mean"
+            text += f" (means over {summary['line_load_length_mm']:.3g} mm)"
         yield "line load", text
     if summary["largest_sliding_mm_per_rad"]:
         sliding, body = summary["largest_sliding_mm_per_rad"], result.engagement.sliding_body

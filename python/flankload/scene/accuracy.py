@@ -53,6 +53,14 @@ class Accuracy(Table, frozen=True, kw_only=True):
         Annotated[int, Meta(ge=1, le=200)] | None,
         about("three dimensions: slices over the common face width", "-"),
     ] = None
+    line_load_length_mm: Annotated[
+        Length | None,
+        about(
+            "three dimensions: length over which the largest line load, K_Hbeta and the line load "
+            "factors are means (absent: a fourteenth of the common face width)",
+            "mm",
+        ),
+    ] = None
     axial_degree: Annotated[
         Annotated[int, Meta(ge=4, le=16)] | None,
         about("three dimensions: degree of the displacements along the axis", "-"),

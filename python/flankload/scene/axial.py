@@ -347,7 +347,7 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
         refuse("effects.dimension", f"3 or nothing, since there is a {needed_by}", 2)
     accuracy = asked.accuracy
     if needed_by is None and dimension != 3:
-        for name in ("slices", "axial_degree", "load_degree_z"):
+        for name in ("slices", "line_load_length_mm", "axial_degree", "load_degree_z"):
             if getattr(accuracy, name) is not None:
                 refuse(
                     f"accuracy.{name}",

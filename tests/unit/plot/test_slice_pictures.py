@@ -96,7 +96,7 @@ def test_they_are_made_for_three_dimensional_results_alone(
 def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
     """At the position of the largest line load, over the whole face width."""
     assert result.slices is not None
-    load = result.slice_line_load_N_per_mm
+    load = result.mean_line_load_N_per_mm
     p = int(np.unravel_index(load.argmax(), load.shape)[0])
     (axes,) = plot_line_load(result).axes
     assert f"{np.degrees(result.position_rad[p]):.2f}°" in axes.get_title(loc="left")
@@ -121,8 +121,11 @@ def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
     averaged = lines["all pairs, averaged over the mesh"]
     np.testing.assert_allclose(averaged, load.sum(axis=1).mean(axis=0), rtol=1e-9)
     title = axes.get_legend().get_title().get_text()
-    factors = [f"{load.max() / load.mean():.3f}" for load in (lines["all pairs"], averaged)]
+    mean = result.site_force_N.sum(axis=1) / 25.0
+    lines_of = ((lines["all pairs"], mean[p]), (averaged, mean.mean()))
+    factors = [f"{load.max() / mean:.3f}" for load, mean in lines_of]
     assert f"at this position {factors[0]}, averaged over the mesh {factors[1]} (K_Hβ)" in title
+    assert title.endswith("means over 1.79 mm")
 
 
 def test_estimated_errors_are_beside_line_loads_and_their_factor(result: fl.Result) -> None:
@@ -130,14 +133,14 @@ def test_estimated_errors_are_beside_line_loads_and_their_factor(result: fl.Resu
     title = plot_line_load(known).axes[0].get_legend().get_title().get_text()
     assert f"{result.face_load_factor:.3f} ± 2.3 % (K_Hβ)" in title
     scale = plot_line_load_map(known).axes[1].get_ylabel()
-    assert scale.endswith(f"up to {result.slice_line_load_N_per_mm.max():.0f} ± 12 %")
+    assert scale.endswith(f"up to {result.mean_line_load_N_per_mm.max():.0f} ± 12 %")
 
 
 def test_line_load_of_a_given_position(result: fl.Result) -> None:
-    p = int(result.slice_line_load_N_per_mm.max(axis=(1, 2)).argmin())
+    p = int(result.mean_line_load_N_per_mm.max(axis=(1, 2)).argmin())
     axes = result.plot.line_load(position=p)
     assert f"{np.degrees(result.position_rad[p]):.2f}°" in axes.get_title(loc="left")
-    summed = result.slice_line_load_N_per_mm[p].sum(axis=0)
+    summed = result.mean_line_load_N_per_mm[p].sum(axis=0)
     np.testing.assert_array_equal(steps(axes)["all pairs"], summed)
 
 
@@ -152,7 +155,7 @@ def test_one_pair_alone_has_no_line_of_all_pairs(result: fl.Result) -> None:
 def test_map_of_the_line_load_has_all_pairs_in_their_order(result: fl.Result) -> None:
     """Pair j at position p is j + p/P pitches along; blank where nothing carries."""
     axes = plot_line_load_map(result).axes[0]
-    wanted = result.slice_line_load_N_per_mm.transpose(1, 0, 2).reshape(-1, 10).T
+    wanted = result.mean_line_load_N_per_mm.transpose(1, 0, 2).reshape(-1, 10).T
     np.testing.assert_array_equal(shown(axes), wanted)
     assert np.ma.getmaskarray(mesh_of(axes).get_array())[wanted == 0].all()
     assert "pitches" in axes.get_xlabel()

@@ -40,6 +40,7 @@ def loads(**changes: object) -> SliceLoads:
     force = np.array([[[4.0, 0.0], [0.0, 12.0]], [[2.0, 2.0], [6.0, 6.0]]])
     fields = {"z_mm": np.array([0.5, 2.5]), "width_mm": np.array([1.0, 3.0]), "force_N": force}
     rest = {"peak_pressure_MPa": force, "tangent_helix_base": 0.0, "cosine_helix_base": 1.0}
+    rest["line_load_length_mm"] = 1.0  # those of the slices
     return SliceLoads(**{**fields, **rest, "weights": np.array([0.25, 0.75]), **changes})
 
 

@@ -406,7 +406,9 @@ def test_arrays_of_parts_are_read_only() -> None:
     none = np.zeros((2, 0, 3))
     shafts = ShaftLoads(np.zeros(2), none, none.copy())
     loads = np.ones((2, 1, 3))
-    slices = SliceLoads(np.arange(3.0), np.ones(3), loads, loads.copy(), 0.0, 1.0, np.ones(2) / 2)
+    slices = SliceLoads(
+        np.arange(3.0), np.ones(3), loads, loads.copy(), 0.0, 1.0, 1.0, np.ones(2) / 2
+    )
     arrays = [x for part in (shafts, slices) for x in vars(part).values() if np.ndim(x)]
     assert len(arrays) == 8
     assert not any(array.flags.writeable for array in arrays)

@@ -195,14 +195,22 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
             )
         misalignment = gap_by_misalignment(*angles, pairing.gear_geometry.pressure_angle_rad)
     graded = scene.effects.contact == "pairs"
-    return slices_of((one, two), scene.accuracy.slices, misalignment, graded=graded)
+    return slices_of(
+        (one, two),
+        scene.accuracy.slices,
+        misalignment,
+        graded=graded,
+        line_load_mm=scene.accuracy.line_load_length_mm,
+    )
 
 
 def _coupling_slices(
     scene: Scene, bodies: tuple[Body, Body], shapes: tuple[AxialShape, AxialShape]
 ) -> Slices:
     """Slices of a spline, with the tilt of its hub about the middle of the common width."""
-    slices = slices_of(shapes, scene.accuracy.slices, 0.0)
+    slices = slices_of(
+        shapes, scene.accuracy.slices, 0.0, line_load_mm=scene.accuracy.line_load_length_mm
+    )
     height = common_height(
         *bodies,
         misalignment_rad=scene.pair.misalignment_mrad / 1000.0,

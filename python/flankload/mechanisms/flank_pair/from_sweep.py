@@ -129,6 +129,7 @@ def _slice_loads(pair: BodyPair, slices: Slices, found: SliceStates, weights: Fl
         peak_pressure_MPa=found.peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
+        line_load_length_mm=slices.line_load_mm,
         weights=weights,
         directions=None
         if slices.conforming is None

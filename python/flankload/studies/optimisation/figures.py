@@ -113,7 +113,7 @@ MAXIMA: dict[str, tuple[Callable[[Any], Floats], ...]] = {
         lambda result: -result.transmission_error_um,
     ),
     "peak_pressure_MPa": (off_corners,),
-    "peak_line_load_N_per_mm": (lambda result: result.slice_line_load_N_per_mm,),
+    "peak_line_load_N_per_mm": (lambda result: result.mean_line_load_N_per_mm,),
     "load_share_max": (lambda result: result.load_share,),
     "face_load_factor": (partial(_line_loads, name="relative_mean_line_load"),),
     "line_load_factor": (partial(_line_loads, name="relative_line_load"),),

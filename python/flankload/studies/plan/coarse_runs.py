@@ -269,11 +269,11 @@ def _states(results: tuple[Result, ...], which: slice = slice(None)) -> list[Sta
 
 def _face_load_factor(slices: SliceLoads, which: slice) -> float:
     """K_Hbeta of some positions, which have equal parts in the mean."""
-    force = slices.force_N[which]
+    force, length = slices.force_N[which], slices.line_load_length_mm
     if slices.directions is not None:  # of a spline
-        return float(relative_line_loads(force, slices.width_mm, each=True).max())
+        return float(relative_line_loads(force, slices.width_mm, length, each=True).max())
     weights = np.ones(len(force))
-    return float(relative_mean_line_loads(force, slices.width_mm, weights).max())
+    return float(relative_mean_line_loads(force, slices.width_mm, length, weights).max())
 
 
 @dataclass(frozen=True)
