@@ -42,7 +42,7 @@ def solve(
     Returns
     -------
     Result
-        For a list of torques, arrays have a first axis of torques (`result.TorqueSeries`), and
+        For a list of torques, arrays have a first axis of torques, and
         `result.at(torque_Nm)` is the result of one torque.
 
     Raises

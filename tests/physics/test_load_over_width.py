@@ -82,14 +82,6 @@ def test_positions_count_with_their_part_of_the_period() -> None:
     assert found.face_load_factor == pytest.approx(load.max() / load.mean(), rel=1e-9)
 
 
-def test_the_old_name_of_the_load_sharing_factor_is_accepted_with_a_warning() -> None:
-    found = solved()
-    with pytest.warns(DeprecationWarning, match="load_sharing_factor") as caught:
-        assert found.transverse_load_factor == found.load_sharing_factor
-    assert len(caught) == 1
-    assert not hasattr(found, "transverse_factor")
-
-
 def test_estimated_errors_are_beside_the_factors_of_a_report() -> None:
     estimate = {"face_load_factor": 0.02, "line_load_factor": 0.05, "peak_line_load": 0.1}
     found = replace(solved(), estimate=estimate)

@@ -25,6 +25,8 @@ MOST_POSITIONS = 128
 OFF = 5e-4
 #: Space around whole bodies, as part of their size.
 MARGIN = 0.03
+#: Length of the largest force or pressure, as part of the size of the picture; of teeth all around.
+ARROW, ARROW_AROUND = 0.2, 0.1
 #: Height of letters, as part of the width of the picture.
 LETTER = 0.03
 #: Decimals of a transmission error in um: the rest is roundoff.
@@ -115,6 +117,11 @@ def _largest(outline: Floats) -> float:
     return float(np.hypot(*outline.T).max())
 
 
+def _largest_arrow(result: Result) -> float:
+    """Length of the largest force or pressure, as part of the size of the picture."""
+    return ARROW_AROUND if result.whole_circle else ARROW
+
+
 def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats]:
     """Corners of the picture: the contacts of all positions, or whole bodies with all arrows."""
     result = results[-1]
@@ -126,9 +133,10 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
         low, high = drawing.extent_mm(shown)
         size = float((high - low).max())
         # arrows and letters are parts of the final size, which is larger
-        larger = 1.0 + 2.0 * (engagement.largest_arrow + LETTER)
+        arrow = _largest_arrow(result)
+        larger = 1.0 + 2.0 * (arrow + LETTER)
         length = np.hypot(*forces.T)[:, np.newaxis]
-        beyond = engagement.largest_arrow * forces + 2.0 * LETTER * forces / length
+        beyond = arrow * forces + 2.0 * LETTER * forces / length
         ends = np.vstack([low, high, places + larger * size * beyond])
         return ends.min(axis=0) - MARGIN * size, ends.max(axis=0) + MARGIN * size
     pitch = 2 * np.pi * _largest(drawing.outline_1) / drawing.teeth_1
@@ -220,7 +228,7 @@ def _path_of_load(
     result: Result, table: PairTable, p: int, s: int, scales: tuple[float, float], size_mm: float
 ) -> tuple[str, Floats, Floats]:
     """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
-    reach_mm = result.engagement.largest_arrow * size_mm
+    reach_mm = _largest_arrow(result) * size_mm
     rows = np.flatnonzero((table.site == result.sites[s]) & (table.force_N > 0))
     lumped = table.half_width_mm is not None or table.z_mm is not None
     plain = not result.engagement.draws_pressures or result.corner_contact[p, s]

@@ -7,7 +7,6 @@ from flankload.result.pairs import PairDrawing, PairTable
 from flankload.result.result import Result
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import texts_of as results_to_text
-from flankload.result.torque_series import TorqueSeries, result_of_torques
 from flankload.result.workbook import results_to_xlsx
 
 __all__ = [
@@ -17,8 +16,6 @@ __all__ = [
     "PairTable",
     "Result",
     "StiffnessTable",
-    "TorqueSeries",
-    "result_of_torques",
     "results_to_csv",
     "results_to_json",
     "results_to_text",

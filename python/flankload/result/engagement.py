@@ -54,8 +54,6 @@ class Engagement(ABC):
     draws_whole_bodies: ClassVar[bool] = True
     #: Number of bodies that it shows as outlines.
     drawn_bodies: ClassVar[int] = 2
-    #: Length of the largest force or pressure, as part of the picture's height.
-    largest_arrow: ClassVar[float] = 0.2
 
     @abstractmethod
     def rows(self, result: Result) -> Iterable[str]:
@@ -163,7 +161,6 @@ class TeethAllAround(Engagement):
     way = "place of the tooth in pitches around the axis"
     cyclic_sites = True
     draws_pressures = False
-    largest_arrow = 0.1
 
     def rows(self, result: Result) -> list[str]:
         """A row per position, then one per tooth at the position of the largest force."""

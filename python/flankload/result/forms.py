@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from math import isclose
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from flankload.base.arguments import is_number
 from flankload.base.card import Card
-from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.base.rounding import TIE
 from flankload.errors import InputError
 from flankload.result.export import CsvForm, results_to_csv, results_to_json, to_xarray
@@ -18,32 +14,17 @@ from flankload.result.frames import pairs_frame, positions_frame, summary_frame
 from flankload.result.plotting import Plots
 from flankload.result.stiffness_table import StiffnessTable, stiffness_table
 from flankload.result.table import cost_table, texts_of
+from flankload.result.torque_axis import TorqueAxis
 from flankload.result.workbook import results_to_xlsx
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from flankload.base.arrays import Floats
     from flankload.result.result import Result
 
 
-class ResultForms(Card, KeepsReadOnly, ABC):
-    """What a result of one torque and that of a list of torques have in common."""
-
-    @property
-    @abstractmethod
-    def by_torque(self) -> tuple[Result, ...]:
-        """The results of single torques: one per torque of a list, otherwise this one alone."""
-
-    @property
-    def has_torque_list(self) -> bool:
-        """Whether arrays have an axis of torques, since the scene has a list of torques."""
-        return False
-
-    @property
-    def torques_Nm(self) -> Floats:
-        """(T,) Torques on body 1, N m; T = 1 unless the scene has a list of torques."""
-        return frozen(np.array([one.torque_Nm for one in self.by_torque]))
+class ResultForms(Card, TorqueAxis):
+    """Access to single torques, and forms of a result as text, files and tables."""
 
     def at(self, torque_Nm: float) -> Result:
         """Return the result of one torque.

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flankload.base.read_only import KeepsReadOnly, frozen
+from flankload.base.read_only import frozen
 from flankload.base.rounding import round_down, round_up
 from flankload.base.torque import N_MM_PER_N_M
 from flankload.result.flank_contact import FlankContacts, flank_contacts
 from flankload.result.pairs import PairDrawing, PairTable
+from flankload.result.torque_axis import TorqueAxis, per_torque
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats, Numbers
@@ -40,7 +40,7 @@ OPTIONAL_ARRAYS = ("follower_angle_rad", "unloaded_rotation_rad")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class PairPositions(KeepsReadOnly):
+class PairPositions(TorqueAxis):
     """Positions and dimensions of a pair, which no torque changes; fields as in `Result`."""
 
     name: str
@@ -139,40 +139,40 @@ class LoadedPositions(PairPositions):
         if len(self.pair_tables) != size["P"]:
             raise ValueError(f"pair_tables: expected {size['P']}, found {len(self.pair_tables)}")
 
-    @property
+    @per_torque
     def torque_Nmm(self) -> float:
         """Torque on body 1, N mm."""
         return N_MM_PER_N_M * self.torque_Nm
 
-    @property
+    @per_torque
     def rotation_deg(self) -> Floats:
         """(P,) Additional rotation of body 1 under load, degrees."""
         return frozen(np.degrees(self.rotation_rad))
 
-    @property
+    @per_torque
     def unloaded_rotation_deg(self) -> Floats | None:
         """(P,) Rotation without torque, degrees; None if no such state exists."""
         unloaded = self.unloaded_rotation_rad
         return None if unloaded is None else frozen(np.degrees(unloaded))
 
-    @cached_property
+    @per_torque
     def transmission_error_um(self) -> Floats:
         """(P,) Rotation times reference radius, um; positive if body 1 has turned further."""
         return frozen(1000.0 * self.rotation_rad * self.reference_radius_mm)
 
-    @property
+    @per_torque
     def unloaded_transmission_error_um(self) -> Floats | None:
         """(P,) Transmission error without torque, um; None if no such state exists."""
         unloaded = self.unloaded_rotation_rad
         return None if unloaded is None else 1000.0 * unloaded * self.reference_radius_mm
 
-    @property
+    @per_torque
     def turned_by_load_rad(self) -> Floats:
         """(P,) Rotation minus that without torque; if the latter is unknown, the whole rotation."""
         unloaded = self.unloaded_rotation_rad
         return self.rotation_rad if unloaded is None else self.rotation_rad - unloaded
 
-    @cached_property
+    @per_torque
     def load_share(self) -> Floats:
         """(P, S) Force divided by the sum of forces, for working flanks; 0 if unloaded."""
         total = self.site_force_N.sum(axis=1, keepdims=True)
@@ -180,12 +180,12 @@ class LoadedPositions(PairPositions):
         np.divide(self.site_force_N, total, out=share, where=total > 0)
         return frozen(share)
 
-    @cached_property
+    @per_torque
     def loaded_pairs(self) -> Numbers:
         """(P,) Number of pairs (on splines: teeth) that carry load."""
         return frozen((self.site_force_N > 0).sum(axis=1))
 
-    @cached_property
+    @per_torque
     def potential_pairs(self) -> Numbers:
         """(P,) Number of pairs that could carry load.
 
@@ -203,12 +203,12 @@ class LoadedPositions(PairPositions):
             counts.append(len(could))
         return frozen(np.array(counts))
 
-    @cached_property
+    @per_torque
     def flank_contacts(self) -> FlankContacts:
         """Contact width of each pair, and motion of both bodies there."""
         return flank_contacts(self.pair_tables, self.sites, self.geometry)
 
-    @property
+    @per_torque
     def contact_half_width_mm(self) -> Floats:
         """(P, S) Half the length of flank in contact, more accurate than one cell; NaN if open.
 
@@ -218,7 +218,7 @@ class LoadedPositions(PairPositions):
         """
         return self.flank_contacts.half_width_mm
 
-    @property
+    @per_torque
     def sliding_mm_per_rad(self) -> Floats:
         """(P, S) Sliding (v_2 - v_1)·t_1, mean over each contact weighted by force; NaN if open.
 
@@ -227,17 +227,17 @@ class LoadedPositions(PairPositions):
         """
         return frozen(self.flank_contacts.velocity_2 - self.flank_contacts.velocity_1)
 
-    @property
+    @per_torque
     def specific_sliding_1(self) -> Floats:
         """(P, S) 1 - v_2/v_1 (DIN 3960), v along the flank; NaN if open, or if v_1 is 0."""
         return _specific(self.flank_contacts.velocity_1, self.flank_contacts.velocity_2)
 
-    @property
+    @per_torque
     def specific_sliding_2(self) -> Floats:
         """(P, S) 1 - v_1/v_2 (DIN 3960), v along the flank; NaN if open, or if v_2 is 0."""
         return _specific(self.flank_contacts.velocity_2, self.flank_contacts.velocity_1)
 
-    @cached_property
+    @per_torque
     def coast_flank_gap_um(self) -> Floats | None:
         """(P,) Distance of the coast flanks along the line of action, um; None if not known.
 
@@ -251,7 +251,7 @@ class LoadedPositions(PairPositions):
         coast = self.geometry.coast
         return frozen(1000.0 * coast.base_radius_mm * (coast.gap_rad + self.rotation_rad))
 
-    @cached_property
+    @per_torque
     def stiffness_secant_Nm_per_rad(self) -> Floats:
         """(P,) Torque divided by the rotation beyond that without torque; NaN unless both > 0.
 
@@ -262,12 +262,12 @@ class LoadedPositions(PairPositions):
         np.divide(self.torque_Nm, turned, out=stiffness, where=(turned > 0) & (self.torque_Nm > 0))
         return frozen(stiffness)
 
-    @property
+    @per_torque
     def stiffness_secant_N_per_um(self) -> Floats:
         """(P,) Secant stiffness along the line of action (force divided by deflection there)."""
         return self._along_line_of_action(self.stiffness_secant_Nm_per_rad)
 
-    @property
+    @per_torque
     def stiffness_tangent_N_per_um(self) -> Floats:
         """(P,) Tangent stiffness along the line of action."""
         return self._along_line_of_action(self.stiffness_tangent_Nm_per_rad)
@@ -277,8 +277,12 @@ class LoadedPositions(PairPositions):
         return frozen(stiffness_Nm_per_rad / self.reference_radius_mm**2)
 
     def pairs(self, p: int) -> PairTable:
-        """Contact pairs of position p: radius, force, pressure, gap and place."""
-        return self.pair_tables[p]
+        """Contact pairs of position p: radius, force, pressure, gap and place.
+
+        Of a list of torques a tuple with a table for each.
+        """
+        tables = tuple(one.pair_tables[p] for one in self.by_torque)
+        return tables if self.has_torque_list else tables[0]  # type: ignore[return-value]
 
 
 def _specific(own: Floats, other: Floats) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from flankload.result.loaded_positions import LoadedPositions
 from flankload.result.pairs import PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress
 from flankload.result.slices import SliceLoads
+from flankload.result.torque_axis import per_torque
 
 #: Arrays over positions and sites that only results with coast flanks have, with their units.
 OVER_COAST_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
@@ -100,7 +100,7 @@ class EffectResults(LoadedPositions):
     @property
     def engagement(self) -> Engagement:
         """How the bodies touch: words, tables and pictures that depend on it."""
-        return engagement_of(self)
+        return engagement_of(self.by_torque[0])
 
     def site_after_period(self, s: int) -> int | None:
         """Index of the site whose place site s takes a period later; None if it is not listed."""
@@ -110,7 +110,7 @@ class EffectResults(LoadedPositions):
         found = np.flatnonzero(self.sites == number)
         return int(found[0]) if found.size else None
 
-    @cached_property
+    @per_torque
     def line_load_N_per_mm(self) -> Floats:
         """(P, S) Force of each pair per mm of face width; (P, S, J) in three dimensions."""
         if self.slices is not None:
@@ -120,42 +120,43 @@ class EffectResults(LoadedPositions):
     @property
     def slice_z_mm(self) -> Floats:
         """(J,) Axial positions of the slices; one slice at 0 in a plane scene."""
-        return frozen(np.zeros(1)) if self.slices is None else self.slices.z_mm
+        slices = self.by_torque[0].slices
+        return frozen(np.zeros(1)) if slices is None else slices.z_mm
 
-    @property
+    @per_torque
     def slice_peak_pressure_MPa(self) -> Floats:
         """(P, S, J) Largest pressure of each flank pair in each slice."""
         if self.slices is None:
             return self.peak_pressure_MPa[..., np.newaxis]
         return self.slices.peak_pressure_MPa
 
-    @property
+    @per_torque
     def slice_line_load_N_per_mm(self) -> Floats:
         """(P, S, J) Force per mm of face width of each flank pair in each slice."""
         if self.slices is None:
             return self.line_load_N_per_mm[..., np.newaxis]
         return self.slices.line_load_N_per_mm
 
-    @property
+    @per_torque
     def mean_line_load_N_per_mm(self) -> Floats:
         """(P, S, J) Mean of the line load over `line_load_length_mm` about each slice."""
         if self.slices is None:
             return self.line_load_N_per_mm[..., np.newaxis]
         return self.slices.mean_line_load_N_per_mm
 
-    @property
+    @per_torque
     def tilt_um_per_mm(self) -> Floats | None:
         """(P,) Slope of the gap along z by both shafts, um/mm; None without shafts."""
         return None if self.shafts is None else self.shafts.tilt_um_per_mm
 
-    @property
+    @per_torque
     def axial_force_N(self) -> Floats:
         """(P,) Axial force on body 1, positive along z; 0 in a plane scene."""
         if self.slices is None:
             return frozen(np.zeros_like(self.rotation_rad))
         return self.slices.axial_force_N
 
-    @property
+    @per_torque
     def tilting_moment_Nm(self) -> Floats:
         """(P,) Moment of the transverse forces about the middle of the face width, N m; 0 if plane.
 
@@ -165,14 +166,14 @@ class EffectResults(LoadedPositions):
             return frozen(np.zeros_like(self.rotation_rad))
         return self.slices.tilting_moment_Nm
 
-    @property
+    @per_torque
     def flank_face_load_factor(self) -> Floats:
         """(P, S) Largest line load of each flank over its mean; 1 in a plane scene."""
         if self.slices is None:
             return frozen(np.ones_like(self.site_force_N))
         return self.slices.flank_face_load_factor
 
-    @property
+    @per_torque
     def face_load_factor(self) -> float:
         """K_Hbeta (ISO 6336-1): load over the face width, largest over mean; 1 in a plane scene.
 
@@ -181,7 +182,7 @@ class EffectResults(LoadedPositions):
         """
         return 1.0 if self.slices is None else self.slices.face_load_factor
 
-    @property
+    @per_torque
     def line_load_factor(self) -> float:
         """Largest line load of all positions over the mean at its position; 1 in a plane scene.
 
@@ -191,17 +192,17 @@ class EffectResults(LoadedPositions):
         """
         return 1.0 if self.slices is None else self.slices.line_load_factor
 
-    @property
+    @per_torque
     def coast_force_N(self) -> Floats | None:
         """(P, S) Force of each coast flank, 0 if open; None if they cannot carry load."""
         return None if self.coast is None else self.coast.force_N
 
-    @property
+    @per_torque
     def coast_peak_pressure_MPa(self) -> Floats | None:
         """(P, S) Largest pressure of each coast flank; None if they cannot carry load."""
         return None if self.coast is None else self.coast.peak_pressure_MPa
 
-    @cached_property
+    @per_torque
     def root_stress(self) -> tuple[RootStress | None, RootStress | None]:
         """Stress in the tooth roots of both bodies; None if not requested, or for rigid bodies."""
         one, two = (

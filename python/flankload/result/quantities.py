@@ -91,6 +91,7 @@ LEAST = {
 UNLOADED = {
     **dict.fromkeys((*OVER_SITES, *OVER_SLICES, *OVER_COAST_SITES), 0),
     **dict.fromkeys(ONLY_LOADED, np.nan),
+    "mean_line_load_N_per_mm": 0,
     "flank_face_load_factor": 1,
 }
 

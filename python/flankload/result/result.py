@@ -1,25 +1,24 @@
-"""Result of one torque at all positions, and derived quantities."""
+"""Result of one torque or of a list of torques at all positions, and derived quantities."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from flankload.result.forms import ResultForms
 from flankload.result.harmonics import over_positions
+from flankload.result.loaded_positions import PairPositions
 from flankload.result.optional_results import EffectResults
-from flankload.result.summary import Summary, key_figures, summary
+from flankload.result.summary import key_figures, summary
+from flankload.result.torque_axis import per_torque
+from flankload.result.torque_list import joined
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-NO_TRANSVERSE = (
-    "transverse_load_factor is load_sharing_factor now (the old name ends with 1.0): it is not the "
-    "factor of ISO 6336-1"
-)
 #: Key figures of the short form, with the names of their estimates.
 FIGURES = {
     "transmission_error_mean_um": "transmission_error_mean",
@@ -31,10 +30,21 @@ FIGURES = {
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(EffectResults, ResultForms):
-    """Load distribution at P positions on S sites (flank pairs), for one torque.
+    """Load distribution at P positions on S sites (flank pairs), for one torque or a list.
 
-    A scene with a list of torques has a `TorqueSeries`, a result whose arrays have an axis of
-    torques in front.
+    The result of a scene with a list of T torques follows these rules:
+
+    - An array (P,) or (P, S) of one torque becomes (T, P) or (T, P, S), a number (T,). `sites` are
+      those of all torques; a pair that a torque never loads has the values of an open pair there.
+    - `position_rad`, the dimensions of the bodies and all else that no torque changes remain as
+      they are.
+    - `summary`, `key_figures` and `estimate` have the keys of one torque, with a tuple of T values
+      each (None: no value).
+    - `friction`, `slices`, `shafts`, `coast`, `drive`, `root_stress` and `pair_tables` are tuples
+      of T objects, or None if there are none.
+    - `warnings` are those of all torques without repetition; a warning that does not concern all of
+      them names its torques. `cost` is that of the run, `outside_limits` are those of any torque.
+    - `at(torque_Nm)` is the result of one torque.
 
     Attributes
     ----------
@@ -109,12 +119,38 @@ class Result(EffectResults, ResultForms):
     accuracy: Mapping[str, Any] | None = None
     outside_limits: tuple[str, ...] = ()
 
-    @property
-    def by_torque(self) -> tuple[Result, ...]:
-        """The results of single torques: this one alone."""
-        return (self,)
+    @classmethod
+    def of_torques(cls, results: Sequence[Result]) -> Result:
+        """Join the results of the torques of a list, even of a single one.
 
-    @cached_property
+        Parameters
+        ----------
+        results : sequence of Result
+            One per torque, at the same positions.
+
+        Raises
+        ------
+        ValueError
+            If there is no result, or the positions differ.
+        """
+        if not results:
+            raise ValueError("results: expected one per torque, found none")
+        for one in results:
+            if not np.array_equal(one.position_rad, results[0].position_rad):
+                raise ValueError("results: expected the same positions for all torques")
+        found = object.__new__(cls)
+        common = {field.name: getattr(results[0], field.name) for field in fields(PairPositions)}
+        vars(found).update(common, _by_torque=tuple(results))
+        for field in fields(cls):
+            if field.name not in common:
+                vars(found)[field.name] = found._over_torques(field.name)
+        return found
+
+    def _over_torques(self, name: str) -> Any:
+        """An attribute of single torques over all torques; for the properties of this class."""
+        return joined(self.by_torque, name)
+
+    @per_torque
     def load_sharing_factor(self) -> float | None:
         """Largest load share of a pair times the mean number of loaded pairs.
 
@@ -126,22 +162,13 @@ class Result(EffectResults, ResultForms):
             return None
         return float(self.load_share.max() * over.mean_of_steps(self.loaded_pairs))
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            """The old name of `load_sharing_factor`, with a warning."""
-            if name != "transverse_load_factor":
-                return self.__getattribute__(name)
-            warnings.warn(NO_TRANSVERSE, DeprecationWarning, stacklevel=2)
-            return self.load_sharing_factor
-
-    @cached_property
-    def key_figures(self) -> Summary:
+    @per_torque
+    def key_figures(self) -> dict[str, Any]:
         """Part of the summary that follows from few curves: its entries up to the pressures."""
         return key_figures(self)
 
-    @cached_property
-    def summary(self) -> Summary:
+    @per_torque
+    def summary(self) -> dict[str, Any]:
         """Summary of a report.
 
         `transmission_error_mean_um` (over the period; for uneven positions the integral of the

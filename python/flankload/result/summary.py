@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,56 +25,18 @@ STIFFNESS_MEANS = {
 }
 #: Stresses that differ by less, relative to the largest, are those of the same tooth.
 EQUAL_STRESS = 1e-12
-#: Former names of entries, with the present ones.
-RENAMED = {
-    f"{flank}peak_pressure_off_corners_{entry}": f"{flank}peak_pressure_{entry}"
-    for flank in ("", "coast_")
-    for entry in ("MPa", "position_rad", "pair")
-}
-#: Former entry, which followed from the largest pressures off and on sharp corners.
-AT_CORNER = "peak_pressure_at_corner"
 #: Why an entry is None in a result under load.
 NO_VALUE = {
     "peak_pressure_MPa": "all contact is on sharp corners, where no finite pressure exists",
 }
 
 
-class Summary(dict[str, Any]):
-    """Entries by name; former names give the present entries, with a warning."""
-
-    def __missing__(self, name: str) -> Any:
-        if name == AT_CORNER and "corner_pressure_MPa" in self:
-            new = "corner_pressure_MPa (None without contact on a sharp corner)"
-            words = f"{name} is {new} now (the old name ends with 1.0)"
-            warnings.warn(words, DeprecationWarning, stacklevel=2)
-            return _is_largest(self["corner_pressure_MPa"], self["peak_pressure_MPa"])
-        if name not in RENAMED or RENAMED[name] not in self:
-            raise KeyError(name)
-        return self[current_name(name)]
-
-
-def _is_largest(corner: Any, off_corners: Any) -> Any:
-    """Whether the largest of all pressures is on a corner; a tuple for several torques."""
-    if isinstance(corner, tuple):
-        return tuple(map(_is_largest, corner, off_corners))
-    return corner is not None and corner > (off_corners or 0.0)
-
-
-def current_name(name: str) -> str:
-    """The present name of an entry, with a warning if it has another one now."""
-    if name not in RENAMED:
-        return name
-    words = f"{name} is {RENAMED[name]} now (the old name ends with 1.0)"
-    warnings.warn(words, DeprecationWarning, stacklevel=3)
-    return RENAMED[name]
-
-
-def key_figures(result: Result) -> Summary:
+def key_figures(result: Result) -> dict[str, Any]:
     """Entries of the summary that follow from few curves."""
     error, loaded, geometry = result.transmission_error_um, result.loaded_pairs, result.geometry
     by_load = 1000.0 * result.turned_by_load_rad * result.reference_radius_mm
     over = over_positions(result)
-    figures = {
+    return {
         "transmission_error_mean_um": over.mean(error),
         "transmission_error_by_load_mean_um": over.mean(by_load),
         "transmission_error_peak_to_peak_um": float(np.ptp(error)),
@@ -92,14 +53,13 @@ def key_figures(result: Result) -> Summary:
         **_largest(result, "peak_pressure", "MPa", off_corners(result)),
         **_on_corners(result, "corner_pressure", result),
     }
-    return Summary(figures)
 
 
-def summary(result: Result) -> Summary:
+def summary(result: Result) -> dict[str, Any]:
     """`Result.summary`."""
     line_load = result.mean_line_load_N_per_mm.max(axis=2)
     sliding, gap = np.abs(result.sliding_mm_per_rad), result.coast_flank_gap_um
-    entries = {
+    return {
         **result.key_figures,
         **_stiffness_means(result),
         **_largest(result, "peak_line_load", "N_per_mm", line_load),
@@ -115,7 +75,6 @@ def summary(result: Result) -> Summary:
         **_of_shafts(result),
         **_of_power(result),
     }
-    return Summary(entries)
 
 
 def _largest(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.cost import Account
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms import prepare as prepare_parts
-from flankload.result import Result, result_of_torques
+from flankload.result import Result
 from flankload.studies.tolerance import solve_to_tolerance
 
 if TYPE_CHECKING:
@@ -72,14 +72,14 @@ def solve_scene(
     """
     if not scene.names_tolerance:
         found = _solve_chosen(scene, {}, progress, parts, plan)
-        return result_of_torques(found, listed=scene.has_torque_list)
+        return Result.of_torques(found) if scene.has_torque_list else found[0]
     firsts = iter([plan])  # it concerns the first run
 
     def solve_once(scene: Scene, kept: Kept, progress: Progress | None) -> tuple[Result, ...]:
         return _solve_chosen(scene, kept, progress, None, next(firsts, None))
 
     found = solve_to_tolerance(scene, solve_once, progress)
-    return result_of_torques(found, listed=scene.has_torque_list)
+    return Result.of_torques(found) if scene.has_torque_list else found[0]
 
 
 def _solve_chosen(

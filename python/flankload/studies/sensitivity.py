@@ -24,7 +24,6 @@ from flankload.errors import InputError, SceneError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms.registry import require_flanks
 from flankload.result import Result
-from flankload.result.summary import current_name
 from flankload.scene.refusal import in_file, refuse
 from flankload.scene.schema import scene_paths
 from flankload.scene.tree import number_at
@@ -284,8 +283,8 @@ def _value(result: Result, quantity: Quantity) -> Floats:
     """A quantity of a result; NaN for None."""
     if not isinstance(quantity, str):
         found = quantity(result)
-    elif (name := current_name(quantity)) in result.summary:
-        found = result.summary[name]
+    elif quantity in result.summary:
+        found = result.summary[quantity]
     else:
         found = getattr(result, quantity, None)
         if not isinstance(found, np.ndarray):

@@ -13,7 +13,6 @@ from scipy.stats import norm
 
 import flankload as fl
 from flankload.base.card import Card
-from flankload.result import TorqueSeries
 from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.friction import FrictionResult
 from flankload.result.optional_results import CoastContact, ShaftLoads
@@ -126,7 +125,7 @@ def test_a_result_is_shown_in_few_lines() -> None:
     page = one._repr_html_()
     assert "&lt;b&gt;bold&lt;/b&gt; &amp; Co" in page
     assert "<b>" not in page
-    several = repr(TorqueSeries([made_up_result(torque_Nm=100.0 + t) for t in range(40)]))
+    several = repr(fl.Result.of_torques([made_up_result(torque_Nm=100.0 + t) for t in range(40)]))
     assert len(several.splitlines()) <= 20
     assert max(map(len, several.splitlines())) < 150
     assert "100, 101, 102" in several
@@ -182,7 +181,7 @@ def test_import_and_run_load_no_package_for_tables() -> None:
 def test_dataframes_have_a_row_per_position_pair_or_torque() -> None:
     pytest.importorskip("pandas")
     one = made_up_result()
-    found = TorqueSeries([made_up_result(torque_Nm=100.0), one])
+    found = fl.Result.of_torques([made_up_result(torque_Nm=100.0), one])
     table = found.to_dataframe()
     assert len(table) == 64
     assert list(table.columns[:5]) == [

@@ -15,15 +15,19 @@ from typing import Any
 
 import pytest
 
+import flankload as fl
 from flankload.cli import main
 from flankload.errors import NoContactState, SceneError
-from flankload.result import TorqueSeries
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import DOCS
 from tests.support.small_job import SCENE
 
 #: The console script.
 PROGRAM = "import sys; from flankload.cli import main; sys.exit(main())"
+
+
+def two_torques() -> fl.Result:
+    return fl.Result.of_torques([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
 
 
 @pytest.fixture
@@ -263,7 +267,9 @@ def test_costs_follow_the_tables_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(importlib.import_module("flankload.studies.plan"), "plan", lambda _: None)
-    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
+    solved[0] = fl.Result.of_torques(
+        [made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)]
+    )
     cost = solved[0].cost_table()
     expected = "\n\n".join([solved[0].table(), cost]) + "\n"
     assert run(capsys, "run", scene, "--cost") == (0, expected, "")
@@ -277,7 +283,9 @@ def test_costs_follow_the_tables_once(
 def test_stiffness_of_all_torques_goes_to_one_file(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
+    solved[0] = fl.Result.of_torques(
+        [made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)]
+    )
     expected = solved[0].stiffness_table().to_csv()
     path = tmp_path / "stiffness.csv"
     assert run(capsys, "run", scene, "--stiffness-csv", path, "--quiet") == (0, "", "")
@@ -296,7 +304,9 @@ def test_dash_sends_only_the_data_to_stdout(
 def test_list_of_torques_gives_a_list_of_everything(
     scene: Path, tmp_path: Path, solved: list[Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    solved[0] = TorqueSeries([made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)])
+    solved[0] = fl.Result.of_torques(
+        [made_up_result(torque_Nm=torque) for torque in (100.0, 302.0)]
+    )
     code, out, _ = run(
         capsys, "run", scene, "--json", tmp_path / "a.json", "--plot", tmp_path / "out"
     )

@@ -22,7 +22,7 @@ from flankload.plot.curves import spectrum
 from flankload.plot.figures import CURVE_LABEL, label_curves, spread_labels
 from flankload.plot.involutes import path_on_flank
 from flankload.plot.style import BODIES, COLOURS, torque_colours
-from flankload.result import Result, TorqueSeries
+from flankload.result import Result
 from flankload.result.geometry import PairGeometry
 from flankload.result.plotting import Plots
 from tests.support.made_up_result import BASE_RADII, DISTANCE, TEETH, made_up_result
@@ -249,7 +249,7 @@ def test_accessor_has_a_method_for_every_picture(results: tuple[Result, ...]) ->
 def test_result_of_a_list_of_torques_draws_all_of_them(
     results: tuple[Result, ...], axes: Axes
 ) -> None:
-    series = TorqueSeries(results)
+    series = Result.of_torques(results)
     assert series.plot.stiffness(axes) is axes
     assert labels(axes) == ["100 N m", "200 N m", "302 N m"]
     assert series.plot.names() == plot.pictures_of(results)

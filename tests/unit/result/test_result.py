@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flankload.result import Result, TorqueSeries, results_to_csv, results_to_json, results_to_text
+from flankload.result import Result, results_to_csv, results_to_json, results_to_text
 from flankload.result.corners import off_corners
 from flankload.result.notes import warning_lines
 from flankload.result.optional_results import ShaftLoads
@@ -105,22 +105,6 @@ def test_pressures_on_corners_alone_are_no_largest_pressure() -> None:
     assert line.split(maxsplit=2)[2] == (
         "none: all contact is on sharp corners, where no finite pressure exists (*)"
     )
-
-
-def test_former_names_of_the_largest_pressure_give_it_with_a_warning() -> None:
-    result = small_result()
-    for summary, wrap in (
-        (result.summary, lambda value: value),
-        (TorqueSeries([result, result]).summary, lambda value: (value, value)),
-    ):
-        with pytest.warns(DeprecationWarning, match="is peak_pressure_MPa now"):
-            assert summary["peak_pressure_off_corners_MPa"] == wrap(1000.0)
-        with pytest.warns(DeprecationWarning, match="is peak_pressure_pair now"):
-            assert summary["peak_pressure_off_corners_pair"] == wrap(0)
-        with pytest.warns(DeprecationWarning, match="corner_pressure_MPa"):
-            assert summary["peak_pressure_at_corner"] == wrap(True)
-        with pytest.raises(KeyError, match="coast_peak_pressure_off_corners_MPa"):
-            summary["coast_peak_pressure_off_corners_MPa"]
 
 
 def test_harmonics_of_a_known_curve() -> None:

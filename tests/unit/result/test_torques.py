@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.result import TorqueSeries, results_to_csv, results_to_json, results_to_text
+from flankload.result import results_to_csv, results_to_json, results_to_text
+from flankload.result.loaded_positions import PairPositions
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import SCENES
 from tests.support.solving import PARTS
@@ -29,7 +30,7 @@ def solved(*torques: float) -> fl.Result:
     return prepared.solve({"load.torque_Nm": list(torques)})
 
 
-def made_up() -> TorqueSeries:
+def made_up() -> fl.Result:
     """Two torques with different pairs."""
     light, heavy = made_up_result(torque_Nm=100.0), made_up_result(torque_Nm=302.0)
     values: dict[str, Any] = {
@@ -39,7 +40,7 @@ def made_up() -> TorqueSeries:
     light = made_up_result(
         torque_Nm=100.0, sites=light.sites[1:], outside_limits=("a",), estimate=None, **values
     )
-    return TorqueSeries([light, heavy])
+    return fl.Result.of_torques([light, heavy])
 
 
 def test_a_list_of_torques_is_one_result_with_an_axis_of_torques() -> None:
@@ -96,6 +97,15 @@ def test_each_attribute_of_a_result_has_its_form_for_several_torques() -> None:
             assert not value.flags.writeable, name
 
 
+def test_each_property_says_whether_it_is_that_of_one_torque() -> None:
+    """A plain property of the loads would be computed from arrays with the axis of torques."""
+    common = {"by_torque", "has_torque_list", "torques_Nm", "plot"}
+    common |= {"engagement", "words_for_sites", "slice_z_mm"}
+    for base in fl.Result.__mro__:
+        found = {name for name, value in vars(base).items() if isinstance(value, property)}
+        assert base is PairPositions or found <= common, base
+
+
 def test_unknown_torques_are_refused_with_those_that_exist() -> None:
     found = made_up()
     assert found.at(302.0 * (1 + 1e-14)) is found.by_torque[1]
@@ -111,7 +121,10 @@ def test_files_and_texts_are_those_of_the_single_results() -> None:
     found = made_up()
     assert found.to_json() == results_to_json(found.by_torque) == results_to_json(found)
     assert list(json.loads(found.to_json())) == ["torques_Nm", "results"]
-    assert list(json.loads(TorqueSeries([made_up_result()]).to_json())) == ["torques_Nm", "results"]
+    assert list(json.loads(fl.Result.of_torques([made_up_result()]).to_json())) == [
+        "torques_Nm",
+        "results",
+    ]
     assert found.to_csv() == results_to_csv(found.by_torque) == results_to_csv(found)
     assert found.table() == results_to_text(found.by_torque)
     assert found.stiffness_table().values["transmission_error_um"].shape == (33, 2)
@@ -133,7 +146,7 @@ def test_results_of_several_torques_come_back_from_a_pickle() -> None:
     found = made_up()
     assert found.load_share.shape == (2, 32, 3)
     again = pickle.loads(pickle.dumps(found))
-    assert type(again) is TorqueSeries
+    assert again.has_torque_list
     np.testing.assert_array_equal(again.load_share, found.load_share)
     assert not again.load_share.flags.writeable
     assert again.at(302).torque_Nm == 302.0
@@ -141,9 +154,9 @@ def test_results_of_several_torques_come_back_from_a_pickle() -> None:
 
 def test_results_at_different_positions_are_not_joined() -> None:
     with pytest.raises(ValueError, match="results: expected the same positions"):
-        TorqueSeries([made_up_result(), made_up_result(count=16)])
+        fl.Result.of_torques([made_up_result(), made_up_result(count=16)])
     with pytest.raises(ValueError, match="found none"):
-        TorqueSeries([])
+        fl.Result.of_torques([])
 
 
 def test_angles_are_known_in_degrees() -> None:

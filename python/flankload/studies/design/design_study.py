@@ -16,7 +16,7 @@ from flankload.base.optional import optional
 from flankload.base.text_table import text_table
 from flankload.result.export import CsvForm
 from flankload.result.quantities import ALONG_POSITIONS
-from flankload.result.summary import NO_VALUE, current_name
+from flankload.result.summary import NO_VALUE
 from flankload.studies.design.run import SOLVED
 from flankload.studies.settings import estimated_error, left_out
 
@@ -98,7 +98,6 @@ class DesignStudy(Card):
             (designs, torques) with a list of torques; one more dimension for curves and harmonics.
             NaN if a design failed or has no such value.
         """
-        name = current_name(name)
         return self._array(lambda result: result["quantities"].get(name))
 
     def columns(self) -> dict[str, list[Any]]:

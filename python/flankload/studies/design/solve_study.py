@@ -13,7 +13,6 @@ from msgspec import Meta
 from flankload.base.arguments import require, require_path
 from flankload.base.files import path_of
 from flankload.errors import SceneError
-from flankload.result.summary import current_name
 from flankload.scene import Scene, SceneLike, scene_of
 from flankload.scene.form import read_table
 from flankload.scene.reader import read_scene, read_tables
@@ -150,7 +149,7 @@ def checked(
     check_first(scene, designs)
     if isinstance(quantities, str) or not isinstance(quantities, Iterable) or not quantities:
         refuse("quantities", "a non-empty list of names", shown(quantities))
-    return designs, tuple(dict.fromkeys(map(current_name, quantities)))
+    return designs, tuple(dict.fromkeys(quantities))
 
 
 def check_first(scene: Scene, designs: Designs) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 from flankload.errors import FlankloadError
 from flankload.result.corners import off_corners
 from flankload.result.harmonics import over_positions
-from flankload.result.summary import NO_VALUE, current_name
+from flankload.result.summary import NO_VALUE
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def figure_of(name: str, result: Result, key: str) -> Figure:
     Raises SceneError if the summary of the result has no such number, FlankloadError if the figure
     is None in this result.
     """
-    name, numbers = current_name(name), numbers_of(result.summary)
+    numbers = numbers_of(result.summary)
     if name in NO_VALUE and result.summary[name] is None:
         raise FlankloadError(f"{name} has no value: {NO_VALUE[name]}")
     if name not in numbers:
