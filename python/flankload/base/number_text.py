@@ -1,6 +1,8 @@
-"""Numbers in text files."""
+"""Numbers in texts."""
 
 from __future__ import annotations
+
+from flankload.base.rounding import TIE
 
 
 def number_of(text: str) -> float:
@@ -11,3 +13,8 @@ def number_of(text: str) -> float:
     if "_" in text or not text.isascii():
         raise ValueError(f"no number: {text!r}")
     return float(text)
+
+
+def percent(part: float) -> str:
+    """Percentage with two digits, without an exponent; a part that is rounding is 0 %."""
+    return f"{float(f'{100 * part:.2g}') if abs(part) > TIE else 0:g} %"

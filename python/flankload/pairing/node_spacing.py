@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.number_text import percent
 from flankload.base.torque import in_newton_metres
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def spacing_notes(
         )
         if np.isfinite(nodes.deviation_mm):
             part = nodes.deviation_mm / contact.flattening_mm
-            note += f"; the curve deviates by about {100 * part:.2g} % of the flattening there"
+            note += f"; the curve deviates by about {percent(part)} of the flattening there"
         yield note
 
 

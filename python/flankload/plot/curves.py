@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
+from flankload.base.number_text import percent
 from flankload.plot.figures import label_torques, legend_below, note
 from flankload.plot.picture import all_torques, figure_of, largest, panels, picture
 from flankload.plot.positions import (
@@ -221,7 +222,7 @@ def draw_peak_pressure(axes: Axes, results: Results) -> None:
     results = all_torques(results)
     axes.set_ylabel("peak pressure in MPa")
     error = (results[-1].estimate or {}).get("peak_pressure")
-    error_note = "" if error is None else f" (estimated error {100 * error:.2g} %)"
+    error_note = "" if error is None else f" (estimated error {percent(error)})"
     _explain_jumps(axes, results[-1], (0.01, 0.98), error_note)
     # meaningless values must not compress the range of the others
     smooth = max(result.summary["peak_pressure_MPa"] or 0.0 for result in results)

@@ -7,7 +7,7 @@ from functools import partial
 from math import degrees, isfinite
 from typing import TYPE_CHECKING, Any
 
-from flankload.base.rounding import TIE
+from flankload.base import number_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -58,7 +58,7 @@ def percent(error: float | None) -> str:
     """Relative error as text with two digits; empty if there is none."""
     if error is None or not isfinite(error):
         return ""
-    return f"{float(f'{100 * error:.2g}') if error > TIE else 0:g} %"
+    return number_text.percent(error)
 
 
 def _figures(results: Sequence[Result]) -> Iterator[Figure]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
+from flankload.base.number_text import percent
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
@@ -82,11 +84,6 @@ def _beside(sources: Sequence[str]) -> str:
         return ""
     exceed = "exceeds" if len(sources) == 1 else "each exceed"
     return f" ({' and '.join(sources)} alone also {exceed} the tolerance)"
-
-
-def percent(part: float) -> str:
-    """Percentage with two digits."""
-    return f"{float(f'{100 * part:.2g}'):g} %"
 
 
 def _verdict(found: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.number_text import percent
 from flankload.base.rounding import TIE
 from flankload.base.text_table import MARK, NONE, text_table
 from flankload.contact.status import Status
@@ -288,7 +289,7 @@ def _estimate(estimate: Any) -> str:
     """Each quantity's error, and its largest source."""
     sources = estimate.get("dominant_source", {})
     return ", ".join(
-        f"{quantity.replace('_', ' ')} {100 * error if error > TIE else 0:.2g} %"
+        f"{quantity.replace('_', ' ')} {percent(error)}"
         + (f" ({sources[quantity]})" if quantity in sources and error > TIE else "")
         for quantity, error in estimate.items()
         if isinstance(error, int | float)

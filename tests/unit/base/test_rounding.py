@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.base.number_text import percent
 from flankload.base.rounding import round_down, round_up
 from flankload.meshes.blocks import even_breaks, growing_breaks
 from tests.support.kernel_counts import pairs_in_contact
@@ -111,3 +112,13 @@ def test_every_kernel_of_blas_counts_alike() -> None:
                 np.testing.assert_allclose(
                     found[key], expected[key], rtol=0, atol=tolerance * scale
                 )
+
+
+def test_percentages_have_no_exponent() -> None:
+    """The error of a quantity near zero came out as 4.7e+02 %."""
+    assert [percent(part) for part in (4.7123, 0.1, 0.00123, 1e-15)] == [
+        "470 %",
+        "10 %",
+        "0.12 %",
+        "0 %",
+    ]

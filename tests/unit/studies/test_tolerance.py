@@ -11,6 +11,7 @@ import pytest
 
 import flankload as fl
 from flankload.analysis.estimate import ON_CORNERS
+from flankload.base.number_text import percent
 from flankload.cli import main
 from flankload.mechanisms import mechanism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -23,7 +24,7 @@ from flankload.mechanisms.parameters import (
     Parameters,
     relative,
 )
-from flankload.result.notes import accuracy_lines, percent
+from flankload.result.notes import accuracy_lines
 from flankload.scene.discretization import elements_for_modes
 from flankload.scene.named_discretization import NamedDiscretization
 from flankload.scene.steps import DEGREE, ELEMENTS, LOAD_DEGREE, MODES, SLICES, STEPS, STRIPS

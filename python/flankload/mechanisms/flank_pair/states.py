@@ -12,6 +12,7 @@ from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
+from flankload.base.number_text import percent
 from flankload.contact.sweep import known_contacts, sweep
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
@@ -162,8 +163,8 @@ def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -
     if error is not None and error.largest > tolerance:
         yield (
             f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
-            f"harmonics are in doubt by {100 * error.harmonics:.2g} %, the peak to peak by "
-            f"{100 * error.peak_to_peak:.2g} % (positions.max_count, positions.tolerance)"
+            f"harmonics are in doubt by {percent(error.harmonics)}, the peak to peak by "
+            f"{percent(error.peak_to_peak)} (positions.max_count, positions.tolerance)"
         )
 
 
