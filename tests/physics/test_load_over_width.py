@@ -14,14 +14,8 @@ from flankload.report.key_figures import key_rows
 from tests.support.solving import solve
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
-#: The bodies are coarse; degrees and slices are those of a user; line loads are those of slices.
-COARSE = {
-    "flank_element_mm": 2.5,
-    "modes": 3,
-    "line_load_length_mm": 1.0,
-    "estimate": False,
-    "tangents": False,
-}
+#: The bodies are coarse; degrees and slices are those of a user.
+COARSE = {"flank_element_mm": 2.5, "modes": 3, "estimate": False, "tangents": False}
 TIPS = (66.70, 191.37)
 #: Tip diameters with a transverse contact ratio of 0.86.
 SHORT_TIPS = (64.5, 189.0)

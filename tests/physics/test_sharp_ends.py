@@ -13,7 +13,11 @@ from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import SMALL, tree_of
 from tests.support.tolerances import ROUND_OFF
 
-WIDE = {"body_1__face_width_mm": 18.0, "positions__count": 2}
+WIDE = {
+    "body_1__face_width_mm": 18.0,
+    "positions__count": 2,
+    "accuracy__line_load_length_mm": 1.0,
+}
 #: Largest difference of K_Hbeta and of the largest line load between numbers of slices and cells.
 SAME = 0.01
 
@@ -68,13 +72,17 @@ def test_sharp_ends_are_marked_with_the_key_that_relieves_them(coarse: fl.Result
     assert relieved.summary["corner_pressure_MPa"] is None
     same = spur(positions__count=2)
     assert not any("sharp end" in line for line in same.warnings)
+    assert same.summary["line_load_length_mm"] == pytest.approx(14.0 / 28, rel=ROUND_OFF)
 
 
 def test_mean_line_loads_by_hand() -> None:
     width = np.array([1.0, 1.0, 2.0, 4.0])
     force = np.array([4.0, 2.0, 2.0, 4.0])
-    # line loads 4, 2, 1, 1: over 2 mm [0, 2], [0.5, 2.5], the third slice, the whole fourth one
+    # line loads 4, 2, 1, 1: over 2 mm [0, 2] twice, the third slice, the whole fourth one
     found = mean_line_loads(force, width, 2.0)
-    np.testing.assert_allclose(found, [3.0, (0.5 * 4 + 2 + 0.5) / 2, 1.0, 1.0], rtol=ROUND_OFF)
+    np.testing.assert_allclose(found, [3.0, 3.0, 1.0, 1.0], rtol=ROUND_OFF)
+    # a rising load: [2, 4] in place of [1, 3] about the second slice
+    found = mean_line_loads(np.array([1.0, 2.0, 4.0, 8.0]), np.ones(4), 2.0)
+    np.testing.assert_allclose(found, [1.5, 3.0, 6.0, 6.0], rtol=ROUND_OFF)
     np.testing.assert_allclose(mean_line_loads(force, width, 99.0), np.full(4, 1.5))
     np.testing.assert_allclose(mean_line_loads(force, width, 0.1), force / width)

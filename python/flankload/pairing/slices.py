@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
 #: Default number of slices over the common face width.
 SLICES = 28
-#: Part of the common face width over which line loads are means by default: two default slices.
-#: At the end of a narrower body the mean converges to 0.1 % with 20 and more slices and cells, over
-#: half of that length to 2 %; of smooth loads it lowers K_Hbeta by less than 1 %.
-LINE_LOAD_PART = 1 / 14
+#: Part of the common face width over which line loads are means by default: one default slice. At
+#: the end of a narrower body the mean over a longer part converges earlier, but where the load
+#: increases towards an end it is smaller than the load there.
+LINE_LOAD_PART = 1 / SLICES
 #: Gauss points for the mean gap of a slice, exact for parabolas.
 GAP_POINTS = 3
 #: Width of the slices of cells at the ends, over that in the middle, and growth from the ends.

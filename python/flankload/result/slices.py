@@ -65,7 +65,7 @@ class SliceLoads(KeepsReadOnly, Card):
 
     @cached_property
     def mean_line_load_N_per_mm(self) -> Floats:
-        """(P, S, J) The same as mean over `line_load_length_mm` about the middle of each slice.
+        """(P, S, J) The larger mean over `line_load_length_mm` that begins or ends with the slice.
 
         It has a limit for narrower slices also at sharp ends, where line loads have none.
         """
@@ -171,15 +171,20 @@ class SliceLoads(KeepsReadOnly, Card):
 def mean_line_loads(force_N: Floats, width_mm: Floats, length_mm: float) -> Floats:
     """Means (…, J) of the line load over a length, from forces (…, J) of slices of (J,) widths.
 
-    A mean is taken about the middle of each slice, but within the face width, and over the slice
-    itself if that is longer.
+    The larger of the two means over the length that begins, and that ends, with a slice, both
+    within the face width, and over the slice itself if that is longer: the largest one of all
+    slices is then that of any place up to the change of the line load within a slice.
     """
     edges = np.concatenate([[0.0], np.cumsum(width_mm)])
     length = np.minimum(np.maximum(length_mm, width_mm), edges[-1])
-    low = np.clip(0.5 * (edges[1:] + edges[:-1] - length), 0.0, edges[-1] - length)
-    inside = np.minimum.outer(low + length, edges[1:]) - np.maximum.outer(low, edges[:-1])
-    inside[inside < TIE * edges[-1]] = 0.0
-    return np.asarray(force_N @ (inside / np.multiply.outer(length, width_mm)).T)
+
+    def beginning_at(low: Floats) -> Floats:
+        low = np.clip(low, 0.0, edges[-1] - length)
+        inside = np.minimum.outer(low + length, edges[1:]) - np.maximum.outer(low, edges[:-1])
+        inside[inside < TIE * edges[-1]] = 0.0
+        return np.asarray(force_N @ (inside / np.multiply.outer(length, width_mm)).T)
+
+    return np.maximum(beginning_at(edges[:-1]), beginning_at(edges[1:] - length))
 
 
 def relative_line_loads(

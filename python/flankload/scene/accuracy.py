@@ -57,7 +57,7 @@ class Accuracy(Table, frozen=True, kw_only=True):
         Length | None,
         about(
             "three dimensions: length over which the largest line load, K_Hbeta and the line load "
-            "factors are means (absent: a fourteenth of the common face width)",
+            "factors are means (absent: a 28th of the common face width)",
             "mm",
         ),
     ] = None

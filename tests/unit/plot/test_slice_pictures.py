@@ -125,7 +125,7 @@ def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
     lines_of = ((lines["all pairs"], mean[p]), (averaged, mean.mean()))
     factors = [f"{load.max() / mean:.3f}" for load, mean in lines_of]
     assert f"at this position {factors[0]}, averaged over the mesh {factors[1]} (K_Hβ)" in title
-    assert title.endswith("means over 1.79 mm")
+    assert title.endswith("means over 0.893 mm")
 
 
 def test_estimated_errors_are_beside_line_loads_and_their_factor(result: fl.Result) -> None:
