@@ -26,6 +26,7 @@ from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import contact_of
 from flankload.scene.discretization import DEFAULT, Discretization, Grid
+from flankload.studies.settings import estimated_error
 from tests.support.finer_solutions import compared
 from tests.support.random_scenes import scenes
 from tests.support.solving import solve
@@ -263,6 +264,19 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
     assert not any("peak_pressure" in parts for parts in estimate.by_source.values())
     assert estimate.errors["load_share"] > 0
     assert estimate.as_dict()["uncertain"] == {"peak_pressure": ON_CORNERS}
+
+
+def test_the_error_of_the_largest_pressure_is_beside_it() -> None:
+    """That of the worst position stood there, where a pair carries a few percent of the load."""
+    found = solve(fl.Scene.from_dict({**PAIR, "positions": {"count": 16}}))
+    assert isinstance(found, fl.Result)
+    assert found.estimate is not None
+    largest, worst = (found.estimate[f"{which}_pressure"] for which in ("largest", "peak"))
+    assert 0 < largest < worst
+    assert f"MPa +- {100 * largest:.2g} % on pair" in found.table()
+    modes = found.estimate["by_source"]["modes"]
+    assert modes["largest_pressure"] <= modes["peak_pressure"]
+    assert estimated_error(found.estimate, "peak_pressure_MPa") == largest
 
 
 def test_pressure_on_a_rounding_is_uncertain() -> None:

@@ -206,6 +206,7 @@ def true_errors(result: fl.Result, finer: fl.Result | Truth) -> Errors:
         "peak_pressure": float(
             np.abs(peak - true_peak)[smooth].max(initial=0.0) / true_peak[smooth].max(initial=1.0)
         ),
+        "largest_pressure": _of_largest(result, finer, at, smooth.any()),
         "transmission_error_mean": float(abs(rotation.mean() / true.mean() - 1)),
         "transmission_error_peak_to_peak": float(abs(np.ptp(rotation) / variation - 1))
         if variation > 0
@@ -218,6 +219,22 @@ def true_errors(result: fl.Result, finer: fl.Result | Truth) -> Errors:
         ),
         **(_of_slices(result, finer, at, placed) if result.slice_z_mm.size > 1 else {}),
     }
+
+
+def _of_largest(
+    result: fl.Result, finer: fl.Result | Truth, at: NDArray[np.int64], any_smooth: np.bool_
+) -> float:
+    """Error of the largest pressure off sharp corners at the positions of the result."""
+    if not any_smooth:
+        return 0.0
+    one, two = (
+        np.where(corner == 0, peak, 0.0).max()
+        for corner, peak in (
+            (result.corner_contact, result.peak_pressure_MPa),
+            (finer.corner_contact[at], finer.peak_pressure_MPa[at]),
+        )
+    )
+    return float(abs(one / two - 1)) if two > 0 else 0.0
 
 
 def _of_slices(

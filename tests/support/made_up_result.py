@@ -60,6 +60,7 @@ def made_up_result(
             "transmission_error": 1e-3,
             "load_share": 2e-3,
             "peak_pressure": 8e-3,
+            "largest_pressure": 8e-3,
             "by_source": {"strips": {"transmission_error": 1e-3}},
         },
         "cost": {

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 #: Additional quantity if coast flanks can carry load.
 COAST = "coast_force"
+#: Error of the largest pressure, beside that of the peak pressures at all positions.
+PEAK_PRESSURE, LARGEST_PRESSURE = "peak_pressure", "largest_pressure"
 #: Additional quantities in three dimensions.
 LINE_LOAD, PEAK_LINE = "line_load", "peak_line_load"
 FACE_LOAD, LINE_FACTOR = "face_load_factor", "line_load_factor"
@@ -275,6 +277,14 @@ def _smooth(*parts: Sweep) -> Flags:
 
 def _largest_peak(found: Sweep) -> float:
     return float(np.max(found.site_peak_N_per_mm, initial=0.0, where=_smooth(found)))
+
+
+def at_largest_peak(peaks: RemainingError, found: Sweep) -> RemainingError:
+    """Error of the largest pressure off sharp corners, from those of all peaks (P, S)."""
+    smooth = np.where(_smooth(found), found.site_peak_N_per_mm, 0.0)
+    place = np.unravel_index(smooth.argmax(), smooth.shape)
+    error, doubt = (np.broadcast_to(part, smooth.shape)[place] for part in peaks)
+    return RemainingError(float(error), float(doubt))
 
 
 def any_smooth_peak(found: Sweep) -> bool:

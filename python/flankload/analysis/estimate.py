@@ -42,16 +42,19 @@ from flankload.analysis.error_rules import (
     COAST,
     ELEMENTS,
     FACE_LOAD,
+    LARGEST_PRESSURE,
     LINE_FACTOR,
     LINE_LOAD,
     MODES,
     MODES_WITH_IMAGES,
     NODES,
     PEAK_LINE,
+    PEAK_PRESSURE,
     SLICES,
     STRIPS,
     RemainingError,
     any_smooth_peak,
+    at_largest_peak,
     peak_of_cells,
     peak_of_modes,
     remaining_errors,
@@ -71,7 +74,7 @@ if TYPE_CHECKING:
     Errors = dict[str, float]
 
 #: Estimated quantities: at the worst position …
-POINTWISE = ("transmission_error", "load_share", "peak_pressure")
+POINTWISE = ("transmission_error", "load_share", PEAK_PRESSURE, LARGEST_PRESSURE)
 #: … and over all of them.
 OVERALL = (
     "transmission_error_mean",
@@ -140,8 +143,9 @@ class Estimate:
         By quantity. Transmission error: the largest error over the positions, relative to its
         largest value; its mean and peak to peak: relative to themselves. Load share: the largest
         error as part of the load. Peak pressure: the largest error off sharp corners, relative to
-        the largest pressure. Stiffnesses: the error of their mean. Coast flanks that can carry
-        load: the largest error of a force, relative to the force on the working flanks.
+        the largest pressure, whose own error is a further quantity. Stiffnesses: the error of their
+        mean. Coast flanks that can carry load: the largest error of a force, relative to the force
+        on the working flanks.
     by_source : dict
         Error of each source alone. Sources may cancel.
     uncertain : dict of str to str
@@ -258,7 +262,10 @@ def estimate_errors(
         errors |= {source: own for source, of in sources.items() if (own := of(part))}
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in errors.values():
-                parts.pop("peak_pressure", None)
+                parts.pop(PEAK_PRESSURE, None)
+        for parts in errors.values():
+            if PEAK_PRESSURE in parts:
+                parts[LARGEST_PRESSURE] = at_largest_peak(parts[PEAK_PRESSURE], part)
         estimates.append(Estimate.of(errors, _uncertain_pressure(part, compliances)))
     return tuple(estimates)
 

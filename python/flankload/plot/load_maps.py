@@ -15,7 +15,6 @@ from flankload.plot.picture import (
     largest,
     panels,
     picture,
-    plus_minus,
 )
 from flankload.plot.positions import (
     is_closed,
@@ -25,6 +24,7 @@ from flankload.plot.positions import (
     places_on_way,
 )
 from flankload.plot.style import BODIES, GREY, SIZE, colour_of, loaded_sites, pair_name
+from flankload.result.quantities import plus_minus
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -130,7 +130,8 @@ def draw_line_load(axes: Axes, results: Results, *, position: int | None = None)
         averaged = np.tensordot(slices.weights, load.sum(axis=1), axes=1)
         words = "all pairs, averaged over the mesh"
         axes.stairs(averaged, ends, color=GREY, linewidth=1.4, linestyle=(0, (1, 1)), label=words)
-        factor = f"{slices.face_load_factor:.3f}{plus_minus(result, 'face_load_factor')}"
+        factor = f"{slices.face_load_factor:.3f}"
+        factor += plus_minus(result.estimate, "face_load_factor", "±")
         title += f", averaged over the mesh {factor} (K_Hβ)"
     axes.set_xlim(ends[0], ends[-1])
     axes.set_ylim(bottom=0.0)
@@ -174,7 +175,7 @@ def draw_line_load_map(axes: Axes, results: Results) -> None:
     )
     label_way(axes, result)
     axes.set_ylabel("axial position z in mm")
-    most = f"{load.max():.0f}{plus_minus(result, 'peak_line_load')}"
+    most = f"{load.max():.0f}{plus_minus(result.estimate, 'peak_line_load', '±')}"
     axes.figure.colorbar(shown, ax=axes, label=f"line load in N/mm, up to {most}")
 
 

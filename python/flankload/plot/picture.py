@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from matplotlib import rc_context
 
-from flankload.base.number_text import percent
 from flankload.plot.figures import as_results, empty_figure, fit, heaviest, set_title, subtitle
 from flankload.plot.style import GREY, SIZE, STYLE
 
@@ -86,12 +85,6 @@ def of_largest_line_load(result: Result) -> int:
 
 
 at_largest_force, at_largest_line_load = at(of_largest_force), at(of_largest_line_load)
-
-
-def plus_minus(result: Result, quantity: str) -> str:
-    """Estimated relative error of a quantity, behind its value; empty without an estimate."""
-    error = (result.estimate or {}).get(quantity)
-    return "" if error is None else f" ± {percent(error)}"
 
 
 def picture(shown: Callable[..., Any]) -> Callable[[Function], Function]:

@@ -131,7 +131,7 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
     total = "ε_γ" if results[0].summary["overlap_ratio"] else "ε_α"
     yield "contact ratio by geometry", total, "", _entry("contact_ratio_total", ".3f")
     key = "peak_pressure"
-    pressure = _entry(f"{key}_MPa", ".0f", error=key, place=key, positive=True)
+    pressure = _entry(f"{key}_MPa", ".0f", error="largest_pressure", place=key, positive=True)
     yield "largest pressure", "p_max", "MPa", pressure
     if results[0].engagement.has_pressures:
         key = "peak_line_load"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.number_text import percent
 from flankload.result.friction import ALONG_POSITIONS as FRICTION
 from flankload.result.optional_results import OVER_COAST_SITES
 from flankload.result.root_stress import root_arrays, slice_root_arrays
@@ -94,6 +95,12 @@ UNLOADED = {
     "mean_line_load_N_per_mm": 0,
     "flank_face_load_factor": 1,
 }
+
+
+def plus_minus(estimate: Mapping[str, Any] | None, quantity: str, sign: str = "+-") -> str:
+    """Estimated relative error of a quantity, behind its value; empty without an estimate."""
+    error = (estimate or {}).get(quantity)
+    return "" if error is None else f" {sign} {percent(error)}"
 
 
 def least_of(name: str) -> float:

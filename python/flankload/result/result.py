@@ -24,7 +24,7 @@ FIGURES = {
     "transmission_error_mean_um": "transmission_error_mean",
     "transmission_error_peak_to_peak_um": "transmission_error_peak_to_peak",
     "contact_ratio_under_load": "",
-    "peak_pressure_MPa": "peak_pressure",
+    "peak_pressure_MPa": "largest_pressure",
 }
 
 

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
 
 
+#: Part of the load below which a flank hardly touches: shares are known to half of that.
+HARDLY_TOUCHES = 0.01
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class SliceLoads(KeepsReadOnly, Card):
     """Loads of J slices at P positions on S sites.
@@ -117,10 +121,15 @@ class SliceLoads(KeepsReadOnly, Card):
 
     @cached_property
     def flank_face_load_factor(self) -> Floats:
-        """(P, S) Largest line load of a flank divided by its mean; 1 for an unloaded flank."""
-        mean = self.force_N.sum(axis=2) / self.width_mm.sum()
-        factors = np.ones_like(mean)
-        np.divide(self.mean_line_load_N_per_mm.max(axis=2), mean, out=factors, where=mean > 0)
+        """(P, S) Largest line load of a flank divided by its mean; 1 for an unloaded flank.
+
+        NaN for a flank that hardly touches, whose contact line is only about to begin or end.
+        """
+        force = self.force_N.sum(axis=2)
+        touches = force > HARDLY_TOUCHES * force.sum(axis=1, keepdims=True)
+        factors = np.where(force > 0, np.nan, 1.0)
+        largest = self.mean_line_load_N_per_mm.max(axis=2)
+        np.divide(largest * self.width_mm.sum(), force, out=factors, where=touches)
         return frozen(factors)
 
     @cached_property

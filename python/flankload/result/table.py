@@ -13,6 +13,7 @@ from flankload.base.text_table import MARK, NONE, text_table
 from flankload.contact.status import Status
 from flankload.cost import COUNTERS
 from flankload.result.notes import accuracy_lines, outside_words, warning_lines
+from flankload.result.quantities import plus_minus
 from flankload.result.summary import NO_VALUE
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def _footer(result: Result) -> Iterator[Line]:
     yield from _transmission_error_lines(result)
     yield "loaded pairs", _loaded_pairs(result)
     if summary["peak_pressure_pair"] is not None or summary["corner_pressure_pair"] is not None:
-        yield "largest pressure", _largest_pressure(summary)
+        yield "largest pressure", _largest_pressure(result)
     if result.drive is not None:
         yield result.drive.name, result.drive.words()
     yield from _contact_lines(result)
@@ -225,9 +226,11 @@ def _contact_lines(result: Result) -> Iterator[Line]:
         yield "stiffness", f"mean {tangent:.2f} N/um tangent, {secant:.2f} N/um secant"
     if summary["peak_line_load_pair"] is not None and result.engagement.has_pressures:
         load = summary["peak_line_load_N_per_mm"]
-        text = f"up to {load:.1f} N/mm {_place(summary, 'peak_line_load_')}"
+        error = plus_minus(result.estimate, "peak_line_load")
+        text = f"up to {load:.1f} N/mm{error} {_place(summary, 'peak_line_load_')}"
         if "face_load_factor" in summary:
-            text = f"K_Hbeta {summary['face_load_factor']:.3f}, {text}"
+            error = plus_minus(result.estimate, "face_load_factor")
+            text = f"K_Hbeta {summary['face_load_factor']:.3f}{error}, {text}"
             text += f", of all pairs {summary['line_load_factor']:.3f} times the mean"
             text += f" (means over {summary['line_load_length_mm']:.3g} mm)"
         yield "line load", text
@@ -257,10 +260,12 @@ def _coast_forces(summary: dict[str, Any]) -> str:
     return text
 
 
-def _largest_pressure(summary: dict[str, Any]) -> str:
+def _largest_pressure(result: Result) -> str:
+    summary = result.summary
     if summary["peak_pressure_MPa"] is None:
         return f"none: {NO_VALUE['peak_pressure_MPa']} ({MARK})"
-    text = f"{summary['peak_pressure_MPa']:.0f} MPa {_place(summary, 'peak_pressure_')}"
+    error = plus_minus(result.estimate, "largest_pressure")
+    text = f"{summary['peak_pressure_MPa']:.0f} MPa{error} {_place(summary, 'peak_pressure_')}"
     if summary["corner_pressure_pair"] is not None:
         text += f"; at sharp corners ({MARK}) no finite pressure exists"
     return text

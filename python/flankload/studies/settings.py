@@ -52,8 +52,13 @@ def left_out(settings: Mapping[str, Any]) -> list[str]:
     return [f"left out, since no quantity needs them: {', '.join(words)}"]
 
 
+#: Names of estimates of key figures that are the largest of several values.
+OF_LARGEST = {"peak_pressure_MPa": "largest_pressure"}
+
+
 def estimated_error(estimate: Mapping[str, Any] | None, quantity: str) -> float | None:
     """Estimated relative error of a quantity, by the longest name of an estimate that begins it."""
+    quantity = OF_LARGEST.get(quantity, quantity)
     known = [
         name
         for name, error in (estimate or {}).items()

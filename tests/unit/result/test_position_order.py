@@ -55,6 +55,14 @@ def test_load_factors_by_hand() -> None:
     assert zero.face_load_factor == zero.line_load_factor == 1.0
 
 
+def test_a_flank_that_hardly_touches_has_no_face_load_factor() -> None:
+    """It had: 21 on a helical pair, where a contact line begins with 0.1 % of the load."""
+    force = np.array([[[4.0, 0.02], [0.0, 12.0], [0.0, 0.0]], [[2.0, 6.0], [0.05, 0.0], [0, 0]]])
+    found = loads(force_N=force).flank_face_load_factor
+    first = 4.0 * 4.0 / 4.02
+    np.testing.assert_allclose(found, [[first, 4.0 / 3.0, 1.0], [1.0, np.nan, 1.0]])
+
+
 def test_load_factors_of_a_spline_are_those_of_its_teeth() -> None:
     """Regression: an optimisation had the sums over all teeth in place of single ones."""
     spline = loads(directions=np.zeros((2, 2, 2)))
