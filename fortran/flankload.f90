@@ -18,7 +18,8 @@ module flankload
     use flankload_slice_field, only: slices_type
     use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, new_nodal_body, &
         & find_nodal_pairs, nodal_influences
-    use flankload_mesh, only: body_type, grid_settings, level_lumped, level_pairs, mesh_type
+    use flankload_mesh, only: along_x, along_y, body_type, configuration_type, grid_settings, &
+        & level_lumped, level_pairs, mesh_type, motion_type, rotation, turn_of_body_1
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
     use flankload_position_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
@@ -37,6 +38,7 @@ module flankload
     public :: flank_curve_type, new_flank_curve, flank_type, new_flank, compliance_type
     public :: nodal_body, nodal_pairs_type, new_nodal_body, find_nodal_pairs, nodal_influences
     public :: body_type, grid_settings, mesh_type, position_state, solve_position
+    public :: along_x, along_y, configuration_type, motion_type, rotation, turn_of_body_1
     public :: level_lumped, level_pairs, slices_type
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
@@ -48,6 +50,7 @@ module flankload
     public :: flankload_solve_contact, flankload_solve_sequence
     public :: flankload_pack_body, flankload_pack_part, flankload_sweep, flankload_sweep_points
     public :: flankload_sweep_continued, flankload_pack_mesh, flankload_sweep_mesh
+    public :: flankload_sweep_meshes
     public :: fl_general, fl_symmetric, fl_definite, fl_definite_part
     public :: fl_auto, fl_single, fl_paper, fl_block
     public :: fl_load_path, fl_pivoted, fl_cascade, fl_primal
@@ -55,6 +58,7 @@ module flankload
     public :: fl_part_along, fl_part_shift, fl_part_sides, fl_part_friction
     public :: fl_part_axial, fl_part_slices, fl_part_shaft, fl_part_sections
     public :: fl_part_turned, fl_part_wedge_along, fl_part_height
+    public :: fl_part_members, fl_part_support
     public :: fl_site_off_corners, fl_site_corner_1, fl_site_corner_2, fl_site_touches
     public :: fl_site_not_parabolic, fl_site_end_would_touch
 

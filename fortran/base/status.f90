@@ -9,7 +9,7 @@ module flankload_status
         & negative_force, out_of_range
     public :: code_no_zone, code_too_many_zones, code_unsettled_cells, code_circle_misses, &
         & code_no_room, code_stopped, code_conforms, code_unsettled_widths, code_unsteady_points, &
-        & code_forces_move, code_only_ends, code_not_in_slices
+        & code_forces_move, code_only_ends, code_not_in_slices, code_one_mesh_only
     public :: site_off_corners, site_touches, site_not_parabolic, site_end_would_touch
 
     ! Solved
@@ -26,6 +26,7 @@ module flankload_status
     integer, parameter :: code_conforms = -17, code_unsettled_widths = -18
     integer, parameter :: code_unsteady_points = -19, code_forces_move = -20
     integer, parameter :: code_only_ends = -21, code_not_in_slices = -22
+    integer, parameter :: code_one_mesh_only = -23
 
     ! Values of `site_corner` other than the number of the body whose sharp corner carries load: no
     ! contact or an ordinary one; first touch without torque; lumped contact that is not parabolic,
@@ -82,7 +83,10 @@ module flankload_status
         & status_type(code_only_ends, &
         & 'flanks are nearest to each other at excluded ends'), &
         & status_type(code_not_in_slices, &
-        & 'slices require small forces, flanks with two ends; if they conform, no friction')]
+        & 'slices require small forces, flanks with two ends; if they conform, no friction'), &
+
+        & status_type(code_one_mesh_only, &
+        & 'several meshes or motions exclude slices, friction, finite forces, mixed models')]
 
 contains
 

@@ -8,7 +8,7 @@ module flankload_contact_pairs
     use flankload_contact_zones, only: zone_type
     use flankload_contact_reach, only: is_level
     use flankload_contact_grid, only: grid_type
-    use flankload_contact_normal, only: normal_at, normal_type
+    use flankload_contact_normal, only: closing_of, normal_at, normal_type, steady_normals
     implicit none
     private
 
@@ -28,6 +28,9 @@ module flankload_contact_pairs
         !> Lever arms about O1 [mm], shape (n): of the force on body 1, friction included (torque
         !> row), and of the pair (row scale); negative on coast flanks
         real(wp), allocatable :: torque_lever(:), lever(:)
+        !> Rotation of body 1 that closes the gap as a unit displacement of either body along x and
+        !> y does [rad/mm], and as a unit rotation about its own axis, shape (3, 2, n)
+        real(wp), allocatable :: closing(:, :, :)
         !> Sliding speed (v2 - v1).t [mm per rad of the position] and friction coefficient times its
         !> sign, shape (n); not allocated without friction
         real(wp), allocatable :: sliding(:), friction(:)
@@ -56,7 +59,7 @@ contains
             & pairs%radius(n), pairs%gap_angle(n), pairs%torque_lever(n), pairs%lever(n), &
             & source=0.0_wp)
         allocate (pairs%point(2, n), pairs%normal(2, n), pairs%turn(2, n), &
-            & pairs%corner_turn(2, n), source=0.0_wp)
+            & pairs%corner_turn(2, n), pairs%closing(3, 2, n), source=0.0_wp)
     end subroutine reserve_pairs
 
     !> Return some of the pairs in their order.
@@ -84,6 +87,7 @@ contains
         end if
         chosen%turn = pairs%turn(:, which)
         chosen%corner_turn = pairs%corner_turn(:, which)
+        chosen%closing = pairs%closing(:, :, which)
         chosen%point = pairs%point(:, which)
         chosen%normal = pairs%normal(:, which)
     end function chosen_pairs
@@ -135,6 +139,8 @@ contains
                 normals(:, 2) = normal_at(normal, s_1, 2)
             end if
             call append_pair(zone, pair, cell, normals, normal%over, deviation, pairs)
+            pairs%closing(:, :, pairs%n) = closing_of(pair, steady_normals(own_normals(pair), &
+                & pairs%turn(:, pairs%n), pair%gap_angle), facing)
             associate (curve_2 => facing%flank_2%curve)
                 if (curve_2%closed) pairs%s_2(pairs%n) = modulo(pair%s_2, curve_length(curve_2))
             end associate
@@ -251,6 +257,7 @@ contains
             pairs%torque_lever(first:last) = -pairs%torque_lever(first:last)
             pairs%lever(first:last) = -pairs%lever(first:last)
             pairs%gap_angle(first:last) = -pairs%gap_angle(first:last)
+            pairs%closing(1, :, first:last) = -pairs%closing(1, :, first:last)
             pairs%point(2, first:last) = -pairs%point(2, first:last)
             pairs%normal(2, first:last) = -pairs%normal(2, first:last)
         end associate

@@ -20,8 +20,9 @@ module flankload_contact_zones
     type :: zone_type
         !> Number of the site (flank pair)
         integer :: site = 0
-        !> Numbers of the bodies of its mesh, and by how much their own numbers of its site exceed
-        !> that number
+        !> Number of its mesh, numbers of the bodies of that mesh, and by how much their own numbers
+        !> of its site exceed that number
+        integer :: mesh = 1
         integer :: body(2) = [1, 2], offset(2) = 0
         !> 1 if body 1 closes the gap by a rotation in the direction of its torque; -1 for coast
         !> flanks, whose other components are those of the mirror image about the line of centres
@@ -33,6 +34,12 @@ module flankload_contact_zones
         type(pair_type) :: nearest
         !> Lever arm of the contact normal about O1 [mm]
         real(wp) :: lever = 0.0_wp
+        !> Rotation of body 1 that closes the gap as a unit displacement of either body along x and
+        !> y does [rad/mm], and as a unit rotation about its own axis, shape (3, 2)
+        real(wp) :: closing(3, 2) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], &
+            & [3, 2])
+        !> Length of flank 1 [mm]: reference for small lengths
+        real(wp) :: flank_length = 0.0_wp
         !> Twist of the flanks [rad/mm]; 0 in plane problems
         real(wp) :: twist = 0.0_wp
         !> Cosine of the angle between the normal and the transverse plane, and length of the

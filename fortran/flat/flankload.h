@@ -50,7 +50,9 @@ enum {
     FLANKLOAD_PART_WEDGE_ALONG = 13,
     FLANKLOAD_PART_SHAFT = 14,
     FLANKLOAD_PART_SECTIONS = 15,
-    FLANKLOAD_PART_HEIGHT = 16
+    FLANKLOAD_PART_HEIGHT = 16,
+    FLANKLOAD_PART_MEMBERS = 17,
+    FLANKLOAD_PART_SUPPORT = 18
 };
 
 /* Values of site_corner. */
@@ -162,6 +164,17 @@ void flankload_sweep_mesh_(const int *n_positions, const int *n_torques, const i
                            const int *first_known, int *status, double *rotation, double *tangent,
                            double *certificate, int *counters, double *site_force,
                            double *site_peak, int *site_corner, int *info);
+
+/* Several bodies and meshes with motions and their loads. */
+void flankload_sweep_meshes_(const int *n_positions, const int *n_cases, const int *n_bodies,
+                             const int *n_meshes, const int *n_motions, const int *n_sites,
+                             const double *angles, const int *motions, const double *loads,
+                             const double *displacements, const int *lengths,
+                             const int *n_records, const double *records, const int *room,
+                             int *control, int *pair_site, double *pair_table, int *status,
+                             double *motion, double *tangent, double *certificate, int *counters,
+                             double *resultant, double *site_force, double *site_peak,
+                             int *site_corner, int *info);
 
 /* All positions and torques from points and compliances. */
 void flankload_sweep_points_(const int *n_positions, const int *n_torques, const int *n_flanks,

@@ -153,6 +153,14 @@ end subroutine flankload_pack_body
 !> |                     | [rad]; displacement (x, y) of axis 2 per length along z, and the z at   |
 !> |                     | which it is that of the mesh [mm]; displacement of the height at site i |
 !> |                     | per force at site k, symmetric, column by column [mm/N]                 |
+!> | fl_part_members     | (6), of a mesh among several: numbers of its two bodies (from 1);       |
+!> |                     | numbers of the sites of either body before those of the mesh; angle     |
+!> |                     | of its x axis, on which both axes are, in the fixed frame [rad]; 1, or  |
+!> |                     | -1 if its frame is a mirror image, in which coast flanks touch as       |
+!> |                     | working flanks do. By default 1, 2, 0, 0, 0, 1                          |
+!> | fl_part_support     | (9), of a body in the plane: displacement along x and y and rotation    |
+!> |                     | about its axis in the fixed frame per force and moment on it (3 x 3,    |
+!> |                     | symmetric) [mm/N, rad/N, rad/(N mm)]                                    |
 !>
 !> The parts of a mesh may also be packed into the record of body 1 if it is passed to
 !> flankload_sweep or flankload_sweep_continued, which have no record of a mesh.

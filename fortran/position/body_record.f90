@@ -20,7 +20,7 @@ module flankload_body_record
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
     public :: part_sides, part_friction, part_axial, part_slices, part_turned, part_wedge_along
-    public :: part_shaft, part_sections, part_height
+    public :: part_shaft, part_sections, part_height, part_members, part_support
     public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block, part_mesh
@@ -47,6 +47,8 @@ module flankload_body_record
         enumerator :: part_shaft
         enumerator :: part_sections
         enumerator :: part_height
+        enumerator :: part_members
+        enumerator :: part_support
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -58,10 +60,10 @@ module flankload_body_record
         enumerator :: part_block
         enumerator :: part_mesh
     end enum
-    integer, parameter :: last_optional = part_height, last_part = part_mesh
+    integer, parameter :: last_optional = part_support, last_part = part_mesh
     !> Optional parts of a mesh
-    integer, parameter :: mesh_parts(4) = [part_sides, part_friction, part_slices, &
-        & part_height]
+    integer, parameter :: mesh_parts(5) = [part_sides, part_friction, part_slices, &
+        & part_height, part_members]
 
     !> Sizes that determine the shapes of all parts.
     type :: counts_type
@@ -114,8 +116,10 @@ contains
             extents(1) = n%sites
         case (part_friction)
             extents(:2) = [any_number, n%sites + 1]
-        case (part_axial)
+        case (part_axial, part_members)
             extents(1) = 6
+        case (part_support)
+            extents(:2) = 3
         case (part_slices, part_height)
             extents(1) = any_number
         case (part_turned)
@@ -186,7 +190,7 @@ contains
                 & .and. values(3) > 0.0_wp
         case (part_wedge, part_kernel)
             valid = all(values >= 0.0_wp)
-        case (part_nodes)
+        case (part_nodes, part_breaks)
             valid = size(values) >= 2 .and. all(values(2:) > values(:size(values) - 1))
         case (part_sides)
             ! working flanks, then coast flanks
@@ -206,16 +210,21 @@ contains
             n_places = size(values) - 1
             valid = n_places >= 1 .and. all(values(2:) > values(:n_places))
             if (valid) valid = mod(n%sites, n_places) == 0
-        case (part_shaft)
+        case (part_shaft, part_support)
             ! a compliance matrix is symmetric, with a nonnegative diagonal
-            valid = is_symmetric(values(:36), 6) .and. all(values(:36:7) >= 0.0_wp)
+            n_places = merge(6, 3, part == part_shaft)
+            valid = is_symmetric(values(:n_places**2), n_places) &
+                & .and. all(values(:n_places**2:n_places + 1) >= 0.0_wp)
         case (part_height)
             ! a symmetric compliance follows nine numbers, of which the third is a length
             valid = size(values) == height_values + n%sites**2
             if (valid) valid = values(3) > 0.0_wp .and. is_symmetric(values(height_values + 1:), &
                 & n%sites)
-        case (part_breaks)
-            valid = all(values(2:) > values(:size(values) - 1))
+        case (part_members)
+            ! two bodies, sites before those of the mesh, sense of its frame
+            valid = all(are_counts(values(:4))) .and. all(values(:2) >= 1.0_wp) &
+                & .and. abs(values(1) - values(2)) > 0.0_wp &
+                & .and. abs(abs(values(6)) - 1.0_wp) <= 0.0_wp
         case (part_block)
             valid = all(values >= 1.0_wp .and. values <= n%blocks)
         case (part_corners)

@@ -15,7 +15,8 @@ module flankload_conforming_slices
     use flankload_contact_loop, only: contact_result, method_auto, solve_contact_problem, &
         & symmetric_matrix
     use flankload_contact_pairs, only: reserve_pairs, take_out_of_mirror
-    use flankload_mesh, only: body_type, mesh_type
+    use flankload_mesh, only: body_type, mesh_type, motion_type
+    use flankload_motion_rows, only: zone_rates
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: position_state, take_contact
     use flankload_slice_field, only: middle_of, width_of
@@ -27,10 +28,11 @@ module flankload_conforming_slices
 contains
 
     !> Set the zones of a position, one per site in the middle of the height, and their gaps.
-    pure subroutine place_heights(bodies, mesh, angles, position)
-        !> The bodies, and their mesh with slices and a height
+    pure subroutine place_heights(bodies, meshes, motions, angles, position)
+        !> The bodies, their mesh with slices and a height, and its motion
         type(body_type), intent(in) :: bodies(:)
-        type(mesh_type), intent(in) :: mesh
+        type(mesh_type), intent(in) :: meshes(:)
+        type(motion_type), intent(in) :: motions(:)
         !> Rotation angles of the bodies [rad], shape (bodies)
         real(wp), intent(in) :: angles(:)
         !> Position; zones and gap angles are set
@@ -41,8 +43,10 @@ contains
 
         allocate (position%zones(size(bodies(1)%site_angles)))
         allocate (position%gap(size(position%zones)))
+        position%motions = motions
         do k = 1, size(position%zones)
-            associate (zone => position%zones(k), nearest => position%zones(k)%nearest)
+            associate (mesh => meshes(1), zone => position%zones(k), &
+                & nearest => position%zones(k)%nearest)
                 side = 1.0_wp
                 if (allocated(mesh%sides)) side = mesh%sides(k)
                 turn_1 = side*angles(1) + bodies(1)%site_angles(k)
@@ -64,14 +68,15 @@ contains
                     & - bodies(1)%deviations(k) - bodies(2)%deviations(k))/zone%lever
             end associate
         end do
+        position%rates = zone_rates(motions, meshes, position%zones)
     end subroutine place_heights
 
-    !> Solve a position for one torque.
-    subroutine solve_heights(mesh, torque, position, state, error)
+    !> Solve a position under its load.
+    subroutine solve_heights(mesh, loads, position, state, error)
         !> The mesh
         type(mesh_type), intent(in) :: mesh
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Load of the motion, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Position from place_heights
         type(position_type), intent(in) :: position
         !> State; blank on entry
@@ -81,14 +86,14 @@ contains
 
         integer :: k
         integer, allocatable :: cold(:)
-        real(wp) :: levers(size(position%zones), 1)
+        real(wp) :: levers(size(position%zones), size(loads))
         type(contact_result) :: contact
 
         allocate (cold(0))
         associate (zones => position%zones, n => size(position%zones))
-            levers(:, 1) = zones%side*zones%lever
+            levers = position%rates*spread(zones%lever, 2, size(loads))
             call solve_contact_problem(mesh%height%compliance, zones%lever*position%gap, levers, &
-                & levers, [torque], symmetric_matrix, method_auto, cold, contact, error)
+                & levers, loads, symmetric_matrix, method_auto, cold, contact, error)
             state%pivots = contact%pivots
             call take_contact(contact, .false., state, error)
             if (allocated(error)) return
@@ -108,6 +113,7 @@ contains
                     pairs%gap_angle(k) = position%gap(k)
                     pairs%lever(k) = zones(k)%lever
                     pairs%torque_lever(k) = zones(k)%lever
+                    pairs%closing(:, :, k) = zones(k)%closing
                     pairs%point(:, k) = nearest%point_1
                     pairs%normal(:, k) = [-nearest%tangent_1(2), nearest%tangent_1(1)]
                     if (zones(k)%side < 0.0_wp) call take_out_of_mirror(k, pairs)

@@ -8,6 +8,7 @@ module flankload_gap_shift
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_reach, only: is_level
     use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_mesh, only: body_type
     implicit none
     private
 
@@ -18,15 +19,31 @@ module flankload_gap_shift
 
 contains
 
-    !> Return whether any flank is shifted.
-    pure function has_shift(body_1, body_2) result(has)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
+    !> Return whether a flank of a zone is shifted.
+    pure function has_shift(bodies, zone) result(has)
+        !> The bodies, and the zone
+        type(body_type), intent(in) :: bodies(:)
+        type(zone_type), intent(in) :: zone
         logical :: has
 
-        has = allocated(body_1%shift) .or. allocated(body_2%shift)
+        has = allocated(bodies(zone%body(1))%compliance%shift) &
+            & .or. allocated(bodies(zone%body(2))%compliance%shift)
     end function has_shift
+
+    !> Return the shift of one flank of a zone at points [mm]; 0 for a body without shift.
+    pure function shift_on(bodies, zone, flank, s) result(shift)
+        !> The bodies, and the zone
+        type(body_type), intent(in) :: bodies(:)
+        type(zone_type), intent(in) :: zone
+        !> 1 or 2
+        integer, intent(in) :: flank
+        !> Arc lengths [mm], shape (n)
+        real(wp), intent(in) :: s(:)
+        !> Shift out of the material [mm], shape (n)
+        real(wp) :: shift(size(s))
+
+        shift = shift_at(bodies(zone%body(flank))%compliance, zone%site + zone%offset(flank), s)
+    end function shift_on
 
     !> Return the shift of a flank at points [mm]; 0 for a body without shift.
     pure function shift_at(body, site, s) result(shift)
@@ -63,43 +80,34 @@ contains
         slope = (beside(2) - beside(1))/(step*(body%s_high - body%s_low))
     end function shift_slope
 
-    !> Return the gap that the shift of both flanks closes at the point of least gap of each zone
-    !> [mm].
-    pure function zone_shift(body_1, body_2, zones) result(shift)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
-        !> The zones
-        type(zone_type), intent(in) :: zones(:)
-        !> Closed gap along the normal [mm], shape (zones)
-        real(wp) :: shift(size(zones))
+    !> Return the gap that the shift of both flanks closes at the point of least gap [mm].
+    pure function zone_shift(bodies, zone) result(shift)
+        !> The bodies, and the zone
+        type(body_type), intent(in) :: bodies(:)
+        type(zone_type), intent(in) :: zone
+        !> Closed gap along the normal [mm]
+        real(wp) :: shift
 
-        integer :: z
-
-        do z = 1, size(zones)
-            shift(z) = sum(shift_at(body_1, zones(z)%site, [zones(z)%nearest%s_1]) &
-                & + shift_at(body_2, zones(z)%site, [zones(z)%nearest%s_2]))
-        end do
+        shift = sum(shift_on(bodies, zone, 1, [zone%nearest%s_1]) &
+            & + shift_on(bodies, zone, 2, [zone%nearest%s_2]))
     end function zone_shift
 
     !> Subtract the shift of both flanks from the gaps of pairs.
-    pure subroutine shift_pairs(body_1, body_2, first, pairs)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
-        !> Index of the first pair; it and all later ones belong to one site
+    pure subroutine shift_pairs(bodies, zone, first, pairs)
+        !> The bodies, and the zone
+        type(body_type), intent(in) :: bodies(:)
+        type(zone_type), intent(in) :: zone
+        !> Index of the first pair; it and all later ones belong to the zone
         integer, intent(in) :: first
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
 
-        integer :: last, site
-
-        last = pairs%n
-        if (last < first) return
-        site = pairs%site(first)
-        pairs%gap_angle(first:last) = pairs%gap_angle(first:last) &
-            & - (shift_at(body_1, site, pairs%s_1(first:last)) &
-            & + shift_at(body_2, site, pairs%s_2(first:last)))/pairs%lever(first:last)
+        associate (last => pairs%n)
+            if (last < first .or. .not. has_shift(bodies, zone)) return
+            pairs%gap_angle(first:last) = pairs%gap_angle(first:last) &
+                & - (shift_on(bodies, zone, 1, pairs%s_1(first:last)) &
+                & + shift_on(bodies, zone, 2, pairs%s_2(first:last)))/pairs%lever(first:last)
+        end associate
     end subroutine shift_pairs
 
     !> Move the zones to the points at which the gap minus the shift is least.
@@ -107,33 +115,28 @@ contains
     !> Between smooth flanks the point moves by the derivative of the shift divided by the sum of
     !> both curvatures, a fraction of the contact's width. Least gaps on corners remain there, and
     !> zones of constant gap are not moved: their cells extend further than any such displacement.
-    pure subroutine shift_zones(facing, body_1, body_2, zones)
+    pure subroutine shift_zones(facing, bodies, zones)
         !> Flanks of each site and their frames, shape (sites)
         type(facing_type), intent(in) :: facing(:)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
+        !> The bodies
+        type(body_type), intent(in) :: bodies(:)
         !> The zones
         type(zone_type), intent(inout) :: zones(:)
 
-        integer :: z, site
+        integer :: z
 
         do z = 1, size(zones)
-            if (is_level(zones(z))) cycle
-            site = zones(z)%site
-            if (zones(z)%corner == 0) then
-                call move_zone(facing(site), body_1, body_2, zones(z))
-            end if
-            zones(z)%tilt = tilt_of(body_1, body_2, zones(z), zones(z)%nearest)
+            if (is_level(zones(z)) .or. .not. has_shift(bodies, zones(z))) cycle
+            if (zones(z)%corner == 0) call move_zone(facing(zones(z)%site), bodies, zones(z))
+            zones(z)%tilt = tilt_of(bodies, zones(z), zones(z)%nearest)
         end do
     end subroutine shift_zones
 
     !> Return the derivative along flank 1 of the gap angle that the shift closes at a pair
     !> [rad/mm].
-    pure function tilt_of(body_1, body_2, zone, pair) result(tilt)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
+    pure function tilt_of(bodies, zone, pair) result(tilt)
+        !> The bodies
+        type(body_type), intent(in) :: bodies(:)
         !> The zone
         type(zone_type), intent(in) :: zone
         !> Pair of the zone
@@ -145,18 +148,18 @@ contains
         ! both points lie on one circle: dr = (P·t) ds/r
         along_2 = dot_product(pair%point_1, pair%tangent_1) &
             & /dot_product(pair%point_2, pair%tangent_2)
-        tilt = (shift_slope(body_1, zone%site, pair%s_1) &
-            & + along_2*shift_slope(body_2, zone%site, pair%s_2))/zone%lever
+        tilt = (shift_slope(bodies(zone%body(1))%compliance, zone%site + zone%offset(1), pair%s_1) &
+            & + along_2*shift_slope(bodies(zone%body(2))%compliance, zone%site + zone%offset(2), &
+            & pair%s_2))/zone%lever
     end function tilt_of
 
     !> Move a zone of smooth flanks by the secant method for the slope; without convergence, it is
     !> unchanged.
-    pure subroutine move_zone(facing, body_1, body_2, zone)
+    pure subroutine move_zone(facing, bodies, zone)
         !> Flanks and their frames
         type(facing_type), intent(in) :: facing
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
+        !> The bodies
+        type(body_type), intent(in) :: bodies(:)
         !> The zone
         type(zone_type), intent(inout) :: zone
 
@@ -171,7 +174,7 @@ contains
         high = min(zone%s_1_high, zone%nearest%s_1 + zone%to_corner_high)
         pair = zone%nearest
         ! without shift, the slope at the least gap is 0
-        slope = pair%slope - tilt_of(body_1, body_2, zone, pair)
+        slope = pair%slope - tilt_of(bodies, zone, pair)
         bend = zone%curvature/zone%lever
         do step = 1, max_steps
             if (.not. bend > 0.0_wp) return
@@ -181,7 +184,7 @@ contains
             call pair_on_circle(facing, s, [zone%s_2_low, zone%s_2_high], pair, found)
             if (.not. found) return
             bend = -slope/moved
-            slope = pair%slope - tilt_of(body_1, body_2, zone, pair)
+            slope = pair%slope - tilt_of(bodies, zone, pair)
             bend = bend + slope/moved
         end do
         if (step > max_steps) return

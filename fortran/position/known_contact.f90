@@ -8,9 +8,10 @@ module flankload_known_contact
     use flankload_kinds, only: wp
     use flankload_lapack, only: getrf, solve_lu
     use flankload_contact_pairs, only: chosen_pairs, pairs_type
-    use flankload_contact_zones, only: zone_type
     use flankload_pair_influence, only: pair_influences
     use flankload_mesh, only: body_type, mesh_type
+    use flankload_motion_rows, only: pair_rates, solve_motions
+    use flankload_position_zones, only: position_type
     use flankload_position_state, only: position_state
     implicit none
     private
@@ -50,60 +51,67 @@ contains
         if (n > 0) contact%touches = known%touches(first:first + n - 1)
     end function contact_of
 
-    !> Compute forces and rotation for given pairs in contact.
+    !> Compute forces and motions for given pairs in contact.
     !>
     !> Neither signs of forces nor gaps of the other pairs are checked: close to the state whose
     !> pairs in contact are given, the result is its linear continuation.
-    pure subroutine solve_known(bodies, meshes, zones, touches, torque, state, solved)
+    pure subroutine solve_known(bodies, meshes, position, touches, loads, state, solved)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> The zones of the position
-        type(zone_type), intent(in) :: zones(:)
+        !> The position
+        type(position_type), intent(in) :: position
         !> True for pairs in contact, shape (pairs)
         logical, intent(in) :: touches(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> State with its pairs on entry, solved on return; its certificate is NaN
         type(position_state), intent(inout) :: state
         !> False if the equations are singular: the state is then unchanged
         logical, intent(out) :: solved
 
-        integer :: n, i, info
-        real(wp) :: nearest, per_torque
+        integer :: n, c, i, info
+        real(wp) :: nearest
         type(pairs_type) :: pairs
         integer, allocatable :: which(:), row_swaps(:)
-        real(wp), allocatable :: matrix(:, :), columns(:, :)
+        real(wp), allocatable :: matrix(:, :), columns(:, :), rates(:, :), rows(:, :)
+        real(wp) :: tangent(size(loads), size(loads)), motion(size(loads))
 
         which = pack([(i, i=1, state%pairs%n)], touches)
         n = size(which)
         solved = .false.
         if (n == 0) return
         pairs = chosen_pairs(state%pairs, which)
-        allocate (matrix(n, n), columns(n, 2), row_swaps(n))
-        call pair_influences(bodies, meshes, zones, pairs, matrix)
-        nearest = minval(pairs%gap_angle)   ! small differences of angles have small rounding errors
-        columns(:, 1) = pairs%lever
-        columns(:, 2) = pairs%lever*(pairs%gap_angle - nearest)
+        allocate (matrix(n, n), columns(n, size(loads) + 1), row_swaps(n))
+        call pair_influences(bodies, meshes, position%zones, pairs, matrix)
+        rates = pair_rates(position%motions, meshes, position%zones, pairs)
+        ! small differences of angles have small rounding errors
+        nearest = minval(pairs%gap_angle)
+        do c = 1, size(loads)
+            columns(:, c) = pairs%lever*rates(:, c)
+        end do
+        columns(:, size(loads) + 1) = pairs%lever*(pairs%gap_angle - rates(:, 1)*nearest)
+        rows = rates*spread(pairs%torque_lever, 2, size(loads))
         ! Eq. (18), (19), (32)
         call getrf(n, matrix, row_swaps, info)
         if (info /= 0) return
         call solve_lu(n, matrix, columns, row_swaps)
-        per_torque = dot_product(pairs%torque_lever, columns(:, 1))
-        if (.not. per_torque > 0.0_wp) return
-        state%tangent = 1.0_wp/per_torque
-        state%rotation = (torque + dot_product(pairs%torque_lever, columns(:, 2)))/per_torque
+        call solve_motions(rows, columns, loads, motion, tangent, solved)
+        if (.not. solved) return
+        if (size(loads) == 1) solved = tangent(1, 1) > 0.0_wp
+        if (.not. solved) return
+        state%tangent = tangent
         allocate (state%forces(state%pairs%n), source=0.0_wp)
         allocate (state%gaps(state%pairs%n), source=ieee_value(1.0_wp, ieee_quiet_nan))
-        state%forces(which) = state%rotation*columns(:, 1) - columns(:, 2)
+        state%forces(which) = matmul(columns(:, :size(loads)), motion) - columns(:, size(loads) + 1)
         state%gaps(which) = 0.0_wp
-        state%rotation = nearest + state%rotation
+        motion(1) = nearest + motion(1)
+        state%motion = motion
         state%condition = ieee_value(1.0_wp, ieee_quiet_nan)
         state%backward_error = state%condition
         state%margin = state%condition
         state%columns = state%columns + n
         if (allocated(pairs%friction)) state%tangential_columns = state%tangential_columns + n
-        solved = .true.
     end subroutine solve_known
 
 end module flankload_known_contact

@@ -8,7 +8,7 @@ module flankload_lumped_contacts
     use flankload_contact_grid, only: grid_type
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
     use flankload_friction, only: friction_lever
-    use flankload_mesh, only: mesh_type
+    use flankload_mesh, only: has_friction, mesh_type
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
     use flankload_lumped_pass, only: lumped_system
     use flankload_lumped_place, only: near_field_of, reach_of, slide_place
@@ -40,6 +40,7 @@ contains
                 place%reach_slope = 0.5_wp*place%reach/place%force
                 place%lever = zone%lever
                 place%torque_lever = zone%lever
+                place%closing = zone%closing
                 ! friction is included from the first evaluation of the gaps on
                 place%tangential = 0.0_wp
                 place%tangential_slope = 0.0_wp
@@ -76,9 +77,9 @@ contains
                 place%force = forces(z)
                 place%reach_slope = power*place%reach/place%force
                 call near_field_of(position%kernel(z), &
-                    & least_half_width(position%flank_length), position%most_half_width, &
+                    & least_half_width(zone%flank_length), position%most_half_width, &
                     & position%images(:, z), place)
-                pairs%cell_1(k) = cell_of(place%reach, position%flank_length)
+                pairs%cell_1(k) = cell_of(place%reach, zone%flank_length)
                 pairs%cell_2(k) = pairs%cell_1(k)
             end associate
         end do
@@ -103,7 +104,7 @@ contains
         logical :: found
 
         call reserve_pairs(pairs, size(system%of))
-        if (allocated(meshes(1)%friction)) then
+        if (has_friction(meshes)) then
             allocate (pairs%sliding(size(system%of)), pairs%friction(size(system%of)), &
                 & source=0.0_wp)
         end if
@@ -115,13 +116,13 @@ contains
                 if (.not. place%force > 0.0_wp) place%force = least_load_share*system%full(z)
                 if (.not. any(place%reach > 0.0_wp)) then
                     place%reach = hertz_half_width(place%force, zone%curvature, &
-                        & position%kernel(z), position%flank_length)
+                        & position%kernel(z), zone%flank_length)
                 end if
                 call reach_of(position%facing(site), zone, position%kernel(z)*place%force, &
                     & place%reach, place%reach_slope)
                 place%reach_slope = position%kernel(z)*place%reach_slope
                 call near_field_of(position%kernel(z), &
-                    & least_half_width(position%flank_length), position%most_half_width, &
+                    & least_half_width(zone%flank_length), position%most_half_width, &
                     & position%images(:, z), place)
                 call append_place(position, z, place%reach, pairs, found)
                 if (.not. found) then
@@ -130,10 +131,11 @@ contains
                 end if
                 place%lever = pairs%lever(k)
                 place%torque_lever = pairs%torque_lever(k)
+                place%closing = pairs%closing(:, :, k)
                 place%lever_slope = 0.0_wp
                 place%torque_lever_slope = 0.0_wp
-                if (allocated(meshes(1)%friction)) then
-                    call slide_place(meshes(1)%friction, zone%side*position%speeds, &
+                if (has_friction(meshes)) then
+                    call slide_place(meshes(zone%mesh)%friction, zone%side*position%speeds, &
                         & position%facing(site), zone, pairs%normal(:, k), place)
                     place%lever_along = lever_along(position, pairs, k)
                     place%lever_along_slope = 0.0_wp
@@ -183,7 +185,7 @@ contains
             normal = contact_normal(facing, zone, reach)
             grid%n = 1
             grid%first = zone%nearest%s_1
-            grid%cell = cell_of(reach, position%flank_length)
+            grid%cell = cell_of(reach, zone%flank_length)
             call append_pairs(facing, zone, z, grid, normal, position%deviation(site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)
         end associate
@@ -223,9 +225,9 @@ contains
         loaded = pack(system%of, forces(system%of) > 0.0_wp)
         call reserve_pairs(beside, size(loaded))
         do k = 1, size(loaded)
-            associate (place => system%places(loaded(k)))
+            associate (place => system%places(loaded(k)), zone => position%zones(loaded(k)))
                 ! the normal of a smaller contact turns by rounding errors only
-                if (sum(place%reach) < 2.0_wp*least_half_width(position%flank_length)) cycle
+                if (sum(place%reach) < 2.0_wp*least_half_width(zone%flank_length)) cycle
                 more = little*place%force
                 call append_place(position, loaded(k), &
                     & place%reach + more*place%reach_slope, beside, found)

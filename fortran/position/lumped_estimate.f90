@@ -11,6 +11,7 @@ module flankload_lumped_estimate
         & solve_contact_problem
     use flankload_lumped_pass, only: keep_places
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
+    use flankload_mesh, only: rotation
     use flankload_near_field, only: image_displacement
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state
@@ -18,7 +19,7 @@ module flankload_lumped_estimate
     implicit none
     private
 
-    public :: estimate_forces, estimate_slices
+    public :: estimate_forces, estimate_slices, full_forces
 
     !> Number of passes for the half-width, whose logarithm enters: forces then change by less than
     !> 1 %.
@@ -26,18 +27,18 @@ module flankload_lumped_estimate
 
 contains
 
-    !> Estimate forces and rotation.
-    pure subroutine estimate_forces(position, curvatures, torque, forces, rotation, state, error)
+    !> Estimate forces and motions.
+    pure subroutine estimate_forces(position, curvatures, loads, forces, motion, state, error)
         !> The position
         type(position_type), intent(in) :: position
         !> Sums of the curvatures of both flanks [1/mm], shape (zones)
         real(wp), intent(in) :: curvatures(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Forces [N], shape (zones)
         real(wp), intent(out) :: forces(:)
-        !> Rotation of body 1 [rad]
-        real(wp), intent(out) :: rotation
+        !> Motions, shape (motions)
+        real(wp), intent(out) :: motion(:)
         !> State, whose counters are increased
         type(position_state), intent(inout) :: state
         !> Set if no state was found
@@ -46,53 +47,79 @@ contains
         integer :: pass, i, n, pivots
         real(wp) :: near, image, unused(2)
         real(wp) :: full(size(curvatures)), matrix(size(curvatures), size(curvatures))
-        real(wp) :: motions(size(curvatures), 1), gaps(size(curvatures))
+        real(wp) :: levers(size(curvatures), size(loads)), gaps(size(curvatures))
         integer, allocatable :: warm_pairs(:)
         type(contact_result) :: contact
 
         n = size(curvatures)
         allocate (warm_pairs(0))
-        rotation = 0.0_wp
+        motion = 0.0_wp
         pivots = 0
-        ! coast flanks have negative levers
-        motions(:, 1) = position%zones%side*position%zones%lever
-        gaps = motions(:, 1)*(position%zones%side*position%gap)
-        full = torque/abs(motions(:, 1))
+        levers = position%rates*spread(position%zones%lever, 2, size(loads))
+        gaps = position%zones%lever*position%gap
+        full = full_forces(position, loads)
         forces = full
         do pass = 1, n_passes
             matrix = position%coupling
             do i = 1, n
                 near = hertz_half_width(max(forces(i), least_load_share*full(i)), curvatures(i), &
-                    & position%kernel(i), position%flank_length)
-                near = max(least_half_width(position%flank_length), min(position%widest(i), near))
+                    & position%kernel(i), position%zones(i)%flank_length)
+                near = max(least_half_width(position%zones(i)%flank_length), &
+                    & min(position%widest(i), near))
                 call image_displacement(position%images(:, i), [near, near], image, unused)
                 matrix(i, i) = matrix(i, i) + position%kernel(i)*(0.5_wp + log(2.0_wp/near)) + image
             end do
             call keep_definite(matrix)
-            call solve_contact_problem(matrix, gaps, motions, motions, [torque], symmetric_matrix, &
+            call solve_contact_problem(matrix, gaps, levers, levers, loads, symmetric_matrix, &
                 & method_single, warm_pairs, contact, error)
             if (allocated(error)) exit
             forces = contact%forces
-            rotation = contact%motion(1)
+            motion = contact%motion
             warm_pairs = contact%active_pairs
             pivots = pivots + contact%pivots
         end do
         call count_lumped(pivots, state)
     end subroutine estimate_forces
 
+    !> Return the force with which each zone would carry a load alone [N], or with the other slices
+    !> of its flank: the largest for all loads that it can carry, or that of another zone.
+    pure function full_forces(position, loads) result(full)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
+        real(wp) :: full(size(position%zones))
+
+        integer :: c, z
+
+        full = 0.0_wp
+        do c = 1, size(loads)
+            do z = 1, size(full)
+                if (position%motions(c)%kind == rotation) then
+                    if (.not. abs(position%rates(z, c)) > 0.0_wp) cycle
+                    full(z) = max(full(z), position%part(z)*abs(loads(c)) &
+                        & /(abs(position%rates(z, c))*position%zones(z)%lever))
+                else
+                    full(z) = max(full(z), position%part(z)*abs(loads(c)))
+                end if
+            end do
+        end do
+        where (.not. full > 0.0_wp) full = maxval(full)
+    end function full_forces
+
     !> Estimate the forces of slices, of which there may be many: at once, with contacts that are
     !> all as wide as the widest one.
-    pure subroutine estimate_slices(position, slices, torque, forces, rotation, state, error)
+    pure subroutine estimate_slices(position, slices, loads, forces, motion, state, error)
         !> The position
         type(position_type), intent(in) :: position
         !> The slices
         type(slices_type), intent(in) :: slices
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Forces [N], shape (zones)
         real(wp), intent(out) :: forces(:)
-        !> Rotation of body 1 [rad]
-        real(wp), intent(out) :: rotation
+        !> Motions, shape (motions)
+        real(wp), intent(out) :: motion(:)
         !> State, whose counters are increased
         type(position_state), intent(inout) :: state
         !> Set if no state was found
@@ -101,38 +128,36 @@ contains
         integer :: z, first, flanks(size(forces))
         logical :: solved, starts(size(forces))
         real(wp) :: width, image, unused(2)
-        real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), 1)
+        real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), size(loads))
         real(wp) :: gaps(size(forces))
         type(contact_result) :: contact
 
         flanks = flank_of(slices, position%zones%site)
         matrix = position%coupling
         do z = 1, size(forces)
-            width = max(position%widest(z), least_half_width(position%flank_length))
+            width = max(position%widest(z), least_half_width(position%zones(z)%flank_length))
             call image_displacement(position%images(:, z), [width, width], image, unused)
             matrix(z, z) = matrix(z, z) + image &
                 & + position%kernel(z)*(0.5_wp + log(2.0_wp/width))
         end do
-        associate (side => position%zones%side, lever => position%zones%lever)
-            gaps = lever*position%gap
-            levers(:, 1) = side*lever
-            starts = .true.
-            if (all(side > 0.0_wp)) then
-                ! one flank alone would need a larger rotation of body 1: no contact touches beyond
-                first = minloc(position%gap, dim=1)
-                forces = merge(position%part*torque/lever, 0.0_wp, flanks == flanks(first))
-                starts = position%gap <= position%gap(first) &
-                    & + dot_product(forces, matmul(matrix, forces))/torque
-            end if
-        end associate
+        gaps = position%zones%lever*position%gap
+        levers = position%rates*spread(position%zones%lever, 2, size(loads))
+        starts = .true.
+        if (all(levers > 0.0_wp)) then
+            ! one flank alone would need a larger rotation of body 1: no contact touches beyond
+            first = minloc(position%gap, dim=1)
+            forces = merge(full_forces(position, loads), 0.0_wp, flanks == flanks(first))
+            starts = position%gap <= position%gap(first) &
+                & + dot_product(forces, matmul(matrix, forces))/loads(1)
+        end if
         forces = merge(1.0_wp, 0.0_wp, starts)
-        call keep_places(matrix, gaps, levers(:, 1), levers(:, 1), torque, forces, rotation, solved)
+        call keep_places(matrix, gaps, levers, levers, loads, forces, motion, solved)
         if (.not. solved) then
-            call solve_contact_problem(matrix, gaps, levers, levers, [torque], symmetric_matrix, &
+            call solve_contact_problem(matrix, gaps, levers, levers, loads, symmetric_matrix, &
                 & method_single, pack([(z, z=1, size(forces))], starts), contact, error)
             if (.not. allocated(error)) then
                 forces = contact%forces
-                rotation = contact%motion(1)
+                motion = contact%motion
             end if
         end if
         call count_lumped(contact%pivots, state)

@@ -15,8 +15,9 @@ module flankload_lumped_pass
     use flankload_lapack, only: potrf, solve_cholesky
     use flankload_lumped_hertz, only: usual_half_width
     use flankload_lumped_place, only: place_type
-    use flankload_mesh, only: body_type, mesh_type
-    use flankload_position_zones, only: position_type
+    use flankload_mesh, only: body_type, has_friction, mesh_type
+    use flankload_motion_rows, only: rates_of, solve_motions
+    use flankload_position_zones, only: place_on, position_type
     use flankload_position_state, only: count_lumped, position_state, take_contact
     use flankload_tangential_influence, only: add_tangential
     use flankload_turned_influence, only: add_turned
@@ -30,8 +31,9 @@ module flankload_lumped_pass
     type :: lumped_system
         !> Lumped contacts, shape (zones)
         type(place_type), allocatable :: places(:)
-        !> Torque on body 1 [N mm], and forces that would carry it alone [N], shape (zones)
-        real(wp) :: torque = 0.0_wp
+        !> Loads of the motions, shape (motions), and forces that would carry one alone [N], shape
+        !> (zones)
+        real(wp), allocatable :: loads(:)
         real(wp), allocatable :: full(:)
         !> Indices of the zones considered, shape (n)
         integer, allocatable :: of(:)
@@ -41,6 +43,18 @@ module flankload_lumped_pass
         !> The same per unit force along flank 1 at j [mm/N], shape (n, n); (n, 0) without friction
         real(wp), allocatable :: tangential(:, :)
     end type lumped_system
+
+    !> Linearized equations of the contacts considered.
+    type :: equations_type
+        !> Compliance, with the near fields on its diagonal [mm/N], shape (n, n)
+        real(wp), allocatable :: matrix(:, :)
+        !> Gaps [mm], shape (n)
+        real(wp), allocatable :: gaps(:)
+        !> Levers of the motions, and in the rows of the loads, shape (n, motions)
+        real(wp), allocatable :: levers(:, :), rows(:, :)
+        !> Right-hand sides of the rows of the loads, shape (motions)
+        real(wp), allocatable :: loads(:)
+    end type equations_type
 
 contains
 
@@ -56,33 +70,43 @@ contains
         !> Contacts; their indices and compliances are set
         type(lumped_system), intent(inout) :: system
 
-        integer :: k, n
-        real(wp) :: ones(count(included)), width(count(included))
+        integer :: b, k, n
+        integer, allocatable :: at(:), of(:), site(:)
+        real(wp), allocatable :: s(:), turn(:), width(:), part(:, :)
+        real(wp) :: ones(count(included))
 
         system%of = pack([(k, k=1, size(included))], included)
         n = size(system%of)
         system%coupling = position%coupling(system%of, system%of)
-        associate (zones => position%zones(system%of))
-            ! images of forces along the flank are at least this width away
-            width = 2.0_wp*usual_half_width*position%flank_length
-            call add_turned(bodies(1)%compliance, zones%site, zones%nearest%s_1, width, &
-                & corner_turn(bodies(1)%compliance%s_high, zones, 1), system%coupling)
-            call add_turned(bodies(2)%compliance, zones%site, zones%nearest%s_2, width, &
-                & corner_turn(bodies(2)%compliance%s_high, zones, 2), system%coupling)
-            if (allocated(system%tangential)) deallocate (system%tangential)
-            if (.not. allocated(meshes(1)%friction)) then
-                allocate (system%tangential(n, 0))
-            else if (allocated(position%tangential)) then
-                system%tangential = position%tangential(system%of, system%of)
-            else
-                allocate (system%tangential(n, n), source=0.0_wp)
-                ones = 1.0_wp
-                call add_tangential(bodies(1)%compliance, zones%site, zones%nearest%s_1, width, &
-                    & ones, system%tangential)
-                call add_tangential(bodies(2)%compliance, zones%site, zones%nearest%s_2, width, &
-                    & ones, system%tangential)
-            end if
-        end associate
+        if (allocated(system%tangential)) deallocate (system%tangential)
+        if (.not. has_friction(meshes)) then
+            allocate (system%tangential(n, 0))
+        else if (allocated(position%tangential)) then
+            system%tangential = position%tangential(system%of, system%of)
+        else
+            allocate (system%tangential(n, n), source=0.0_wp)
+        end if
+        ones = 1.0_wp
+        do b = 1, size(bodies)
+            associate (zones => position%zones(system%of), body => bodies(b)%compliance)
+                at = [(findloc(zones(k)%body, b, dim=1), k=1, n)]
+                of = pack([(k, k=1, n)], at > 0)
+                at = at(of)
+                site = [(zones(of(k))%site + zones(of(k))%offset(at(k)), k=1, size(of))]
+                s = place_on(zones(of), at)
+                ! images of forces along the flank are at least this width away
+                width = 2.0_wp*usual_half_width*zones(of)%flank_length
+                if (allocated(body%turned)) then
+                    turn = corner_turn(body%s_high, zones(of), at)
+                    part = system%coupling(of, of)
+                    call add_turned(body, site, s, width, turn, part)
+                    system%coupling(of, of) = part
+                end if
+                if (size(system%tangential, 2) > 0 .and. .not. allocated(position%tangential)) then
+                    call add_tangential(body, site, s, width, ones, system%tangential)
+                end if
+            end associate
+        end do
     end subroutine couple
 
     !> Return the angle by which the force at a sharp tip of a body is turned from the normal of its
@@ -93,18 +117,14 @@ contains
         real(wp), intent(in) :: s_high
         !> The zone
         type(zone_type), intent(in) :: zone
-        !> Number of the body, 1 or 2
+        !> Flank, 1 or 2
         integer, intent(in) :: body
         real(wp) :: turn
 
         turn = 0.0_wp
         if (zone%corner /= body) return
         associate (nearest => zone%nearest)
-            if (body == 1) then
-                if (nearest%s_1 < s_high*(1.0_wp - tie)) return
-            else
-                if (nearest%s_2 < s_high*(1.0_wp - tie)) return
-            end if
+            if (place_on(zone, body) < s_high*(1.0_wp - tie)) return
             ! body 1 rotates by the gap angle until both touch; tangents point to either tip
             turn = 0.5_wp*angle_between(turned(nearest%tangent_1, nearest%gap_angle), &
                 & -nearest%tangent_2)
@@ -113,8 +133,9 @@ contains
     end function corner_turn
 
     !> Linearize the equations about the last forces, and solve them by the contact loop.
-    pure subroutine solve_pass(position, system, secant, forces, state, error)
-        !> The position
+    pure subroutine solve_pass(meshes, position, system, secant, forces, state, error)
+        !> The meshes, and the position
+        type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts
         type(lumped_system), intent(in) :: system
@@ -128,26 +149,17 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: k, n
-        logical :: slides, through_origin(size(system%of))
-        real(wp) :: load
-        real(wp), dimension(size(system%of)) :: last, gaps
-        real(wp), dimension(size(system%of), 1) :: motions, load_rows
-        real(wp) :: matrix(size(system%of), size(system%of))
+        logical :: slides
+        real(wp) :: last(size(system%of))
+        type(equations_type) :: linear
         type(contact_result) :: contact
 
         n = size(system%of)
         slides = size(system%tangential, 2) > 0
         last = forces(system%of)
-        through_origin = secant .or. .not. last > 0.0_wp
-        matrix = system%coupling
-        load = system%torque
-        motions(:, 1) = position%zones(system%of)%side*system%places(system%of)%lever
-        call linearise(position, system, state%rotation, through_origin, matrix, gaps, &
-            & load_rows(:, 1), load)
-        if (slides) call linearise_friction(position, system, through_origin, matrix, gaps, &
-            & load_rows(:, 1), load)
-        call solve_contact_problem(matrix, gaps, motions, load_rows, [load], &
-            & merge(general_matrix, symmetric_matrix, slides), method_single, &
+        linear = linearised(meshes, position, system, state%motion, secant .or. .not. last > 0.0_wp)
+        call solve_contact_problem(linear%matrix, linear%gaps, linear%levers, linear%rows, &
+            & linear%loads, merge(general_matrix, symmetric_matrix, slides), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
         call count_lumped(contact%pivots, state)
         call take_contact(contact, slides, state, error)
@@ -155,21 +167,16 @@ contains
         forces(system%of) = state%forces
     end subroutine solve_pass
 
-    !> Add the tangential forces to the linearized equations.
-    pure subroutine linearise_friction(position, system, through_origin, matrix, gaps, load_row, &
-            & load)
+    !> Add the tangential forces to the linearized equations of a single motion.
+    pure subroutine add_friction(position, system, through_origin, linear)
         !> The position
         type(position_type), intent(in) :: position
         !> Lumped contacts
         type(lumped_system), intent(in) :: system
         !> True for secants through the origin instead of tangents, shape (n)
         logical, intent(in) :: through_origin(:)
-        !> Compliance [mm/N], shape (n, n), gaps [mm] and levers of the torque row [mm], shape (n)
-        real(wp), intent(inout) :: matrix(:, :)
-        real(wp), intent(inout) :: gaps(:)
-        real(wp), intent(inout) :: load_row(:)
-        !> Right-hand side of the torque row [N mm]
-        real(wp), intent(inout) :: load
+        !> Equations without friction
+        type(equations_type), intent(inout) :: linear
 
         integer :: k
         real(wp), dimension(size(through_origin)) :: line, beside
@@ -178,122 +185,127 @@ contains
             call straighten(places%force, places%tangential, places%tangential_slope, &
                 & through_origin, line, beside)
             do k = 1, size(places)
-                matrix(:, k) = matrix(:, k) + system%tangential(:, k)*line(k)
+                linear%matrix(:, k) = linear%matrix(:, k) + system%tangential(:, k)*line(k)
             end do
-            gaps = gaps + matmul(system%tangential, beside)
-            load_row = load_row + side*(places%lever_along*line &
+            linear%gaps = linear%gaps + matmul(system%tangential, beside)
+            linear%rows(:, 1) = linear%rows(:, 1) + side*(places%lever_along*line &
                 & + places%lever_along_slope*places%tangential)
-            load = load - sum(side*(places%lever_along*beside &
+            linear%loads(1) = linear%loads(1) - sum(side*(places%lever_along*beside &
                 & - places%lever_along_slope*places%tangential*places%force))
         end associate
-    end subroutine linearise_friction
+    end subroutine add_friction
 
-    !> Solve a pass for forces and rotation without a certificate, if only contacts that carried
-    !> load before do so again.
-    pure subroutine step_places(position, system, forces, rotation, solved)
-        !> The position
+    !> Solve a pass for forces and motions without a certificate, if only contacts that carried load
+    !> before do so again.
+    pure subroutine step_places(meshes, position, system, forces, motion, solved)
+        !> The meshes, and the position
+        type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts without friction
         type(lumped_system), intent(in) :: system
         !> Forces of the zones [N], shape (zones); changed if solved
         real(wp), intent(inout) :: forces(:)
-        !> Rotation [rad]; changed if solved
-        real(wp), intent(inout) :: rotation
-        !> False if other contacts touch: forces and rotation are then unchanged
+        !> Motions, shape (motions); changed if solved
+        real(wp), intent(inout) :: motion(:)
+        !> False if other contacts touch: forces and motions are then unchanged
         logical, intent(out) :: solved
 
-        real(wp) :: load
-        real(wp), dimension(size(system%of)) :: found, gaps, motion, load_row
-        real(wp) :: matrix(size(system%of), size(system%of))
+        real(wp) :: found(size(system%of))
+        type(equations_type) :: linear
 
         found = forces(system%of)
-        matrix = system%coupling
-        load = system%torque
-        motion = position%zones(system%of)%side*system%places(system%of)%lever
-        call linearise(position, system, rotation, .not. found > 0.0_wp, matrix, gaps, load_row, &
-            & load)
-        call keep_places(matrix, gaps, motion, load_row, load, found, rotation, solved)
+        linear = linearised(meshes, position, system, motion, .not. found > 0.0_wp)
+        call keep_places(linear%matrix, linear%gaps, linear%levers, linear%rows, linear%loads, &
+            & found, motion, solved)
         if (solved) forces(system%of) = found
     end subroutine step_places
 
-    !> Linearize the equations of the contacts. Levers are negative on coast flanks, which separate
-    !> if body 1 turns further.
-    pure subroutine linearise(position, system, rotation, through_origin, matrix, gaps, &
-            & load_row, load)
-        !> The position
+    !> Return the linearized equations of the contacts. Levers are negative on coast flanks, which
+    !> separate if body 1 turns further.
+    pure function linearised(meshes, position, system, motion, through_origin) result(linear)
+        !> The meshes, and the position
+        type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts
         type(lumped_system), intent(in) :: system
-        !> Last rotation [rad]
-        real(wp), intent(in) :: rotation
+        !> Last motions, shape (motions)
+        real(wp), intent(in) :: motion(:)
         !> True for secants through the origin instead of tangents, shape (n)
         logical, intent(in) :: through_origin(:)
-        !> Compliance between the contacts [mm/N]; their near fields are added to its diagonal,
-        !> shape (n, n)
-        real(wp), intent(inout) :: matrix(:, :)
-        !> Gaps, and levers in the torque row [mm], shape (n)
-        real(wp), intent(out) :: gaps(:)
-        real(wp), intent(out) :: load_row(:)
-        !> Torque; on return, the right-hand side of the torque row [N mm]
-        real(wp), intent(inout) :: load
+        type(equations_type) :: linear
 
-        integer :: k
+        integer :: c, k
         real(wp), dimension(size(through_origin)) :: line, beside, open
+        real(wp) :: rates(size(through_origin), size(motion))
 
-        associate (places => system%places(system%of), side => position%zones(system%of)%side)
-            gaps = places%lever*position%gap(system%of)
-            load_row = side*places%torque_lever
+        associate (places => system%places(system%of), zones => position%zones(system%of))
+            do k = 1, size(places)
+                rates(k, :) = rates_of(position%motions, meshes(zones(k)%mesh), zones(k)%side, &
+                    & places(k)%closing)
+            end do
+            linear%matrix = system%coupling
+            linear%loads = system%loads
             call straighten(places%force, places%approach, places%approach_slope, &
                 & through_origin, line, beside)
             ! levers also depend on the force: this effect is of the order of the tolerance, but it
             ! matters for the derivatives
-            open = position%gap(system%of) - side*rotation
+            open = position%gap(system%of) - matmul(rates, motion)
             line = line + places%lever_slope*open
             beside = beside - places%lever_slope*open*places%force
-            load_row = load_row + side*places%torque_lever_slope*places%force
-            load = load + sum(side*places%torque_lever_slope*places%force**2)
-            do k = 1, size(places)
-                matrix(k, k) = matrix(k, k) + line(k)
+            allocate (linear%levers, linear%rows, mold=rates)
+            do c = 1, size(motion)
+                linear%levers(:, c) = rates(:, c)*places%lever
+                linear%rows(:, c) = rates(:, c)*places%torque_lever &
+                    & + rates(:, c)*places%torque_lever_slope*places%force
+                linear%loads(c) = linear%loads(c) &
+                    & + sum(rates(:, c)*places%torque_lever_slope*places%force**2)
             end do
-            gaps = gaps + beside
+            do k = 1, size(places)
+                linear%matrix(k, k) = linear%matrix(k, k) + line(k)
+            end do
+            linear%gaps = places%lever*position%gap(system%of) + beside
         end associate
-    end subroutine linearise
+        if (size(system%tangential, 2) > 0) call add_friction(position, system, through_origin, &
+            & linear)
+    end function linearised
 
     !> Solve for the contacts that carry load, drop those with tensile forces until none is left,
     !> and check that the other gaps stay open. The solution is unique, since K is definite.
-    pure subroutine keep_places(matrix, gaps, motion, load_row, load, forces, rotation, solved)
-        !> Symmetric compliance of the contacts [mm/N], their gaps [mm], and their levers for the
-        !> rotation and in the torque row [mm], shape (n, n) and (n)
+    pure subroutine keep_places(matrix, gaps, levers, rows, loads, forces, motion, solved)
+        !> Symmetric compliance of the contacts [mm/N], and their gaps [mm], shape (n, n) and (n)
         real(wp), intent(in) :: matrix(:, :)
         real(wp), intent(in) :: gaps(:)
-        real(wp), intent(in) :: motion(:)
-        real(wp), intent(in) :: load_row(:)
-        !> Torque [N mm]
-        real(wp), intent(in) :: load
+        !> Levers of the motions, and in the rows of the loads, shape (n, motions)
+        real(wp), intent(in) :: levers(:, :)
+        real(wp), intent(in) :: rows(:, :)
+        !> Loads, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Forces [N], of which the positive ones may carry load; changed if solved
         real(wp), intent(inout) :: forces(:)
-        !> Rotation [rad]; changed if solved
-        real(wp), intent(inout) :: rotation
+        !> Motions, shape (motions); changed if solved
+        real(wp), intent(inout) :: motion(:)
         !> False if other contacts would touch, or K is not definite
         logical, intent(out) :: solved
 
-        integer :: k, info
+        integer :: k, q, info
         integer, allocatable :: on(:)
         real(wp), allocatable :: factor(:, :), x(:, :), carried(:)
-        real(wp) :: turn, found(size(forces))
+        real(wp) :: moved(size(loads)), tangent(size(loads), size(loads)), found(size(forces))
 
         solved = .false.
+        q = size(loads)
         on = pack([(k, k=1, size(forces))], forces > 0.0_wp)
         do
             if (size(on) == 0) return
             factor = matrix(on, on)
-            x = reshape([motion(on), gaps(on)], [size(on), 2])
+            x = reshape([levers(on, :), gaps(on)], [size(on), q + 1])
             call potrf(size(on), factor, info)
             if (info /= 0) return
             call solve_cholesky(size(on), factor, x)
-            ! Eq. (18), (19): K F + g = b q and m F = M, so that F = q K⁻¹b - K⁻¹g
-            turn = (load + dot_product(load_row(on), x(:, 2)))/dot_product(load_row(on), x(:, 1))
-            carried = turn*x(:, 1) - x(:, 2)
+            ! Eq. (18), (19): K F + g = B q and Rᵀ F = Q, so that F = K⁻¹B q - K⁻¹g
+            call solve_motions(rows(on, :), x, loads, moved, tangent, solved)
+            if (.not. solved) return
+            carried = matmul(x(:, :q), moved) - x(:, q + 1)
             if (all(carried > 0.0_wp)) exit
             on = pack(on, carried > 0.0_wp)
         end do
@@ -301,11 +313,11 @@ contains
         found(on) = carried
         do k = 1, size(forces)
             if (found(k) > 0.0_wp) cycle
-            if (.not. dot_product(matrix(:, k), found) + gaps(k) > motion(k)*turn) return
+            solved = dot_product(matrix(:, k), found) + gaps(k) > dot_product(levers(k, :), moved)
+            if (.not. solved) return
         end do
-        solved = .true.
         forces = found
-        rotation = turn
+        motion = moved
     end subroutine keep_places
 
     !> Return the line that replaces a function of the force: its tangent, or the secant through the

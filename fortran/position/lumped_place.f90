@@ -27,6 +27,9 @@ module flankload_lumped_place
         !> [mm], and their derivatives with respect to the force [mm/N]
         real(wp) :: lever = 0.0_wp, lever_slope = 0.0_wp
         real(wp) :: torque_lever = 0.0_wp, torque_lever_slope = 0.0_wp
+        !> Rotation of body 1 that closes the gap as a unit displacement of either body does, as in
+        !> pairs_type
+        real(wp) :: closing(3, 2) = 0.0_wp
         !> Lever of the tangential force in the torque row [mm], and its derivative with respect to
         !> the force [mm/N]
         real(wp) :: lever_along = 0.0_wp, lever_along_slope = 0.0_wp

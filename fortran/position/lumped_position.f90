@@ -16,10 +16,11 @@ module flankload_lumped_position
     use flankload_mesh, only: body_type, mesh_type
     use flankload_lumped_contacts, only: differentiate_levers, follow_places, take_parabolas, &
         & update_contacts, widest_contact
-    use flankload_lumped_estimate, only: estimate_forces, estimate_slices
+    use flankload_lumped_estimate, only: estimate_forces, estimate_slices, full_forces
     use flankload_lumped_hertz, only: least_load_share
     use flankload_lumped_pass, only: couple, lumped_system, solve_pass, step_places
     use flankload_lumped_place, only: place_type
+    use flankload_motion_rows, only: pair_rates, solve_motions
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, may_touch, position_state, &
         & would_touch
@@ -42,15 +43,14 @@ module flankload_lumped_position
 
 contains
 
-    !> Solve one position for one torque.
-    subroutine solve_lumped(bodies, meshes, torque, position, state, error)
+    !> Solve one position under its loads.
+    subroutine solve_lumped(bodies, meshes, loads, position, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Torque on body 1 [N mm], positive unless flanks are pressed against each other across the
-        !> teeth
-        real(wp), intent(in) :: torque
-        !> Position; near fields of slices are updated for the torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
+        !> Position; near fields of slices are updated for the loads
         type(position_type), intent(inout) :: position
         !> State; blank on entry
         type(position_state), intent(inout) :: state
@@ -63,10 +63,10 @@ contains
         real(wp), dimension(size(position%zones)) :: forces, last
         type(lumped_system) :: system
 
-        call begin(bodies, meshes, torque, position, forces, included, state, error)
+        call begin(bodies, meshes, loads, position, forces, included, state, error)
         if (allocated(error)) return
-        system%torque = torque
-        system%full = position%part*torque/position%zones%lever
+        system%loads = loads
+        system%full = full_forces(position, loads)
         ! flanks that are pressed against each other across a tooth carry more than the torque
         if (any(position%zones%side < 0.0_wp)) system%full = max(system%full, maxval(forces))
         allocate (system%places(size(included)), system%of(0))
@@ -93,33 +93,34 @@ contains
             last = forces
             ! with friction K is not symmetric
             solved = pass <= newton_passes .and. size(system%tangential, 2) == 0
-            if (solved) call step_places(position, system, forces, state%rotation, solved)
+            if (solved) call step_places(meshes, position, system, forces, state%motion, &
+                & solved)
             if (solved) call count_lumped(0, state)
-            if (.not. solved) call solve_pass(position, system, pass > newton_passes, forces, &
-                & state, error)
+            if (.not. solved) call solve_pass(meshes, position, system, pass > newton_passes, &
+                & forces, state, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_update = since_update + change
             done = since_update <= settled
-            if (done) call extend(bodies, meshes, forces, state%rotation, position, included, &
+            if (done) call extend(bodies, meshes, forces, state%motion, position, included, &
                 & system, done)
             if (done) exit
         end do
         if (done) then
-            call finish(position, system, forces, state, error)
+            call finish(meshes, position, system, forces, state, error)
         else
             call fatal_error(error, code_unsettled_widths)
         end if
     end subroutine solve_lumped
 
     !> Estimate the forces, and find the contacts needed.
-    pure subroutine begin(bodies, meshes, torque, position, forces, included, state, error)
+    pure subroutine begin(bodies, meshes, loads, position, forces, included, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
-        !> Position; near fields of slices are updated for the torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
+        !> Position; near fields of slices are updated for the loads
         type(position_type), intent(inout) :: position
         !> Forces [N], shape (zones)
         real(wp), intent(out) :: forces(:)
@@ -131,33 +132,33 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: z
-        real(wp) :: rotation
+        real(wp) :: motion(size(loads))
 
         if (allocated(meshes(1)%slices)) then
             if (any(is_level(position%zones))) then
                 call fatal_error(error, code_conforms)
                 return
             end if
-            call load_slices(bodies, meshes, torque, position)
-            call estimate_slices(position, meshes(1)%slices, torque, forces, rotation, state, error)
+            call load_slices(bodies, meshes, full_forces(position, loads), position)
+            call estimate_slices(position, meshes(1)%slices, loads, forces, motion, state, error)
         else
-            call estimate_forces(position, position%zones%curvature, torque, forces, rotation, &
+            call estimate_forces(position, position%zones%curvature, loads, forces, motion, &
                 & state, error)
         end if
         if (allocated(error)) return
-        included = forces > 0.0_wp .or. may_touch(position, rotation)
+        included = forces > 0.0_wp .or. may_touch(position, motion)
         if (allocated(meshes(1)%slices)) call widen_slices(bodies, meshes, &
             & maxval([(half_width_of(position, z, forces(z)), z=1, size(forces))]), position)
     end subroutine begin
 
     !> Include other contacts that touch, and widen slices whose contacts are wider than K allows.
-    pure subroutine extend(bodies, meshes, forces, rotation, position, included, system, complete)
+    pure subroutine extend(bodies, meshes, forces, motion, position, included, system, complete)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Forces of the zones [N], shape (zones), and rotation [rad], converged
+        !> Forces of the zones [N], shape (zones), and motions, shape (motions), converged
         real(wp), intent(in) :: forces(:)
-        real(wp), intent(in) :: rotation
+        real(wp), intent(in) :: motion(:)
         !> The position
         type(position_type), intent(inout) :: position
         !> True for zones that are considered, shape (zones)
@@ -169,8 +170,8 @@ contains
 
         real(wp) :: widest
 
-        complete = .not. any(would_touch(position, forces, rotation) .and. .not. included)
-        included = included .or. would_touch(position, forces, rotation)
+        complete = .not. any(would_touch(position, forces, motion) .and. .not. included)
+        included = included .or. would_touch(position, forces, motion)
         widest = widest_contact(system, forces)
         if (widest <= position%most_half_width) return
         complete = .false.
@@ -191,8 +192,9 @@ contains
 
     !> Solve the last pass with the derivatives of all quantities that depend on the forces, and sum
     !> up the state.
-    subroutine finish(position, system, forces, state, error)
-        !> The position
+    subroutine finish(meshes, position, system, forces, state, error)
+        !> The meshes, and the position
+        type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts under these forces
         type(lumped_system), intent(inout) :: system
@@ -204,32 +206,42 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         call differentiate_levers(position, forces, system)
-        call solve_pass(position, system, .false., forces, state, error)
+        call solve_pass(meshes, position, system, .false., forces, state, error)
         if (allocated(error)) return
-        call balance(position%zones(system%of)%side, system, state)
-        call sum_up(position%zones(system%of), system%places(system%of), state)
-    end subroutine finish
-
-    !> Add friction to the torque row of the pairs, and scale the forces of the working flanks so
-    !> that they balance the torque with these levers, which belong to the last evaluation of the
-    !> contacts: forces have changed since by no more than the tolerance.
-    pure subroutine balance(side, system, state)
-        !> Side of each contact, shape (n)
-        real(wp), intent(in) :: side(:)
-        !> Lumped contacts
-        type(lumped_system), intent(in) :: system
-        !> State
-        type(position_state), intent(inout) :: state
-
-        real(wp) :: moments(size(side))
-
-        associate (places => system%places(system%of))
+        associate (places => system%places(system%of), side => position%zones(system%of)%side)
             if (allocated(state%pairs%friction)) state%pairs%torque_lever = side &
                 & *(places%torque_lever + state%pairs%friction*places%lever_along)
         end associate
-        moments = state%pairs%torque_lever*state%forces
-        where (side > 0.0_wp) state%forces = state%forces &
-            & *((system%torque - sum(moments, mask=side < 0.0_wp))/sum(moments, mask=side > 0.0_wp))
+        call balance(pair_rates(position%motions, meshes, position%zones, state%pairs), &
+            & system%loads, state)
+        call sum_up(position%zones(system%of), system%places(system%of), state)
+    end subroutine finish
+
+    !> Scale the forces so that they balance the loads with the levers of the last evaluation of the
+    !> contacts: forces have changed since by no more than the tolerance. Each force changes by a
+    !> part of itself, for a single motion all by the same part.
+    pure subroutine balance(rates, loads, state)
+        !> Rates of the motions, shape (n, motions)
+        real(wp), intent(in) :: rates(:, :)
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
+        !> State
+        type(position_state), intent(inout) :: state
+
+        integer :: c
+        integer, allocatable :: held(:)
+        logical :: solved
+        real(wp), allocatable :: moments(:, :), columns(:, :), parts(:), unused(:, :)
+
+        held = pack([(c, c=1, size(loads))], .not. state%free)
+        moments = rates(:, held)*spread(state%pairs%torque_lever*state%forces, 2, size(held))
+        allocate (columns(size(moments, 1), size(held) + 1), source=-1.0_wp)
+        ! so that moments of working and coast flanks do not cancel
+        columns(:, :size(held)) = rates(:, held)*spread(sign(1.0_wp, state%pairs%torque_lever), 2, &
+            & size(held))
+        allocate (parts(size(held)), unused(size(held), size(held)))
+        call solve_motions(moments, columns, loads(held), parts, unused, solved)
+        if (solved) state%forces = state%forces*(1.0_wp + matmul(columns(:, :size(held)), parts))
     end subroutine balance
 
     !> Compute force, peak and loaded corner of each site.

@@ -1,5 +1,9 @@
-!> Bodies, and their meshes: what belongs to a body alone, and what belongs to two bodies that
-!> touch.
+!> Bodies, their meshes and their motions: what belongs to a body alone, what belongs to two bodies
+!> that touch, and the directions in which bodies are free.
+!>
+!> The fixed frame is common to all meshes. The frame of a mesh has its origin on the axis of body 1
+!> and its x axis through the axis of body 2; it may be a mirror image, so that coast flanks touch
+!> as working flanks do.
 module flankload_mesh
     use flankload_kinds, only: wp
     use flankload_circle_pair, only: flank_type
@@ -9,11 +13,46 @@ module flankload_mesh
     implicit none
     private
 
-    public :: body_type, grid_settings, height_type, mesh_type
+    public :: body_type, configuration_type, grid_settings, height_type, mesh_type, motion_type
     public :: level_pairs, level_lumped
+    public :: along_x, along_y, rotation, turn_of_body_1
+    public :: has_friction
 
     !> Contact models: pairs on cells, or one unknown per contact (lumped).
     integer, parameter :: level_pairs = 0, level_lumped = 1
+
+    !> Kinds of motion: translations along the axes of the fixed frame, and rotation about the axis
+    !> of the body.
+    enum, bind(c)
+        enumerator :: along_x = 1
+        enumerator :: along_y
+        enumerator :: rotation
+    end enum
+
+    !> Motion of a body.
+    type :: motion_type
+        !> Number of the body
+        integer :: body = 1
+        !> along_x, along_y or rotation (counter-clockwise)
+        integer :: kind = rotation
+        !> 1, or -1 for the opposite direction
+        real(wp) :: sign = 1.0_wp
+    end type motion_type
+
+    !> The only motion of a pair.
+    type(motion_type), parameter :: turn_of_body_1(1) = [motion_type()]
+
+    !> Configuration of all bodies in one position.
+    type :: configuration_type
+        !> Angles of both bodies of each mesh in its frame [rad], shape (2, meshes)
+        real(wp), allocatable :: angles(:, :)
+        !> Speeds of the bodies of a pair [rad per rad of the position], shape (2); needed with
+        !> friction
+        real(wp), allocatable :: speeds(:)
+        !> Known displacement of each body along x and y [mm] and rotation about its axis [rad] in
+        !> the fixed frame, shape (3, bodies); not allocated without
+        real(wp), allocatable :: displacements(:, :)
+    end type configuration_type
 
     !> Contact model and discretization into cells.
     type :: grid_settings
@@ -43,6 +82,10 @@ module flankload_mesh
         real(wp), allocatable :: deviations(:)
         !> Shaft and bearings of a body in slices; not allocated if its bore is fixed
         type(shaft_type), allocatable :: shaft
+        !> Support of a body that has no motion for it: displacement along x and y [mm] and rotation
+        !> [rad] per force along x and y [N] and moment about its axis [N mm] in the fixed frame,
+        !> symmetric, shape (3, 3); not allocated if rigid
+        real(wp), allocatable :: support(:, :)
     end type body_type
 
     !> Common height over which flanks on nearly common axes conform in slices, with one unknown per
@@ -61,8 +104,15 @@ module flankload_mesh
         real(wp), allocatable :: compliance(:, :)
     end type height_type
 
-    !> Mesh of two bodies: site k of the mesh is site k of either body.
+    !> Mesh of two bodies: site k of the mesh is site offset + k of either body.
     type :: mesh_type
+        !> Numbers of both bodies, and their sites before those of the mesh
+        integer :: bodies(2) = [1, 2], offset(2) = 0
+        !> Direction of the x axis of its frame in the fixed frame, and -1 if its frame is a mirror
+        !> image, else 1
+        real(wp) :: direction(2) = [1.0_wp, 0.0_wp], sense = 1.0_wp
+        !> Number of sites
+        integer :: n_sites = 0
         !> Axes of both bodies in the frame of the mesh [mm], shape (2, bodies)
         real(wp) :: axes(2, 2) = 0.0_wp
         !> Twist of the contact lines, that of body 1: rotation of the sections with z [rad/mm]
@@ -81,5 +131,16 @@ module flankload_mesh
         !> Contact model and discretization into cells
         type(grid_settings) :: grid
     end type mesh_type
+
+contains
+
+    !> Return whether flanks have friction, which is known for a single mesh only.
+    pure function has_friction(meshes) result(has)
+        !> The meshes
+        type(mesh_type), intent(in) :: meshes(:)
+        logical :: has
+
+        has = allocated(meshes(1)%friction)
+    end function has_friction
 
 end module flankload_mesh

@@ -14,6 +14,7 @@ module flankload_pair_forces
         & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
     use flankload_pair_influence, only: pair_influences
     use flankload_mesh, only: body_type, mesh_type
+    use flankload_motion_rows, only: pair_rates
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: position_state, take_contact
     implicit none
@@ -35,7 +36,7 @@ module flankload_pair_forces
 contains
 
     !> Compute K of the pairs and solve for their forces.
-    subroutine solve_pairs(bodies, meshes, position, warm_pairs, torque, state, error)
+    subroutine solve_pairs(bodies, meshes, position, warm_pairs, loads, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -43,14 +44,15 @@ contains
         type(position_type), intent(inout), target :: position
         !> Initial active set
         integer, intent(in) :: warm_pairs(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n, structure
+        real(wp), allocatable :: rates(:, :)
         real(wp), pointer, contiguous :: matrix(:, :)
 
         n = state%pairs%n
@@ -67,22 +69,25 @@ contains
         structure = merge(definite_matrix, symmetric_matrix, n > many_pairs)
         ! with friction several states may exist: all of K is checked
         if (allocated(state%pairs%friction)) structure = general_matrix
-        call solve_matrix(matrix, structure, warm_pairs, torque, state, error)
+        rates = pair_rates(position%motions, meshes, position%zones, state%pairs)
+        call solve_matrix(matrix, structure, warm_pairs, rates, loads, state, error)
         if (meshes(1)%grid%finite_steps == 0 .or. allocated(error)) return
-        call follow_forces(bodies, meshes, position, matrix, torque, state, error)
+        call follow_forces(bodies, meshes, position, rates, matrix, loads, state, error)
     end subroutine solve_pairs
 
     !> Iterate the influence coefficients of finite forces and the forces until convergence.
-    subroutine follow_forces(bodies, meshes, position, matrix, torque, state, error)
+    subroutine follow_forces(bodies, meshes, position, rates, matrix, loads, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(in) :: position
+        !> Rates of the motions, shape (n, motions)
+        real(wp), intent(in) :: rates(:, :)
         !> K of small forces [mm/N], shape (n, n)
         real(wp), contiguous, intent(in) :: matrix(:, :)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> State for small forces on entry, for finite forces on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found, or the forces do not converge
@@ -109,7 +114,7 @@ contains
                     & state%pairs%site(:state%pairs%n), moves_1(:, :, i), before(i), n_steps))
             end do
             call solve_matrix(changed, general_matrix, pack([(i, i=1, size(before))], &
-                & before > 0.0_wp), torque, state, error)
+                & before > 0.0_wp), rates, loads, state, error)
             state%finite_passes = state%finite_passes + 1
             state%columns = state%columns + state%pairs%n
             if (allocated(error)) return
@@ -182,30 +187,31 @@ contains
     end subroutine unit_displacements
 
     !> Solve for the forces with given influence coefficients.
-    subroutine solve_matrix(matrix, structure, warm_pairs, torque, state, error)
+    subroutine solve_matrix(matrix, structure, warm_pairs, rates, loads, state, error)
         !> K [mm/N], shape (n, n), and its structure
         real(wp), contiguous, intent(in) :: matrix(:, :)
         integer, intent(in) :: structure
         !> Initial active set
         integer, intent(in) :: warm_pairs(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Rates of the motions, shape (n, motions)
+        real(wp), intent(in) :: rates(:, :)
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> State with its pairs on entry, solved on return
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
         integer :: n
-        real(wp), allocatable :: motions(:, :), load_rows(:, :)
+        real(wp), allocatable :: levers(:, :), rows(:, :)
         type(contact_result) :: contact
 
         n = state%pairs%n
-        allocate (motions(n, 1), load_rows(n, 1))
-        motions(:, 1) = state%pairs%lever
-        load_rows(:, 1) = state%pairs%torque_lever   ! Eq. (19)
-        call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, motions, &
-            & load_rows, [torque], structure, merge(method_auto, method_single, n > many_pairs), &
-            & warm_pairs, contact, error)
+        levers = rates*spread(state%pairs%lever, 2, size(loads))
+        rows = rates*spread(state%pairs%torque_lever, 2, size(loads))   ! Eq. (19)
+        call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, levers, rows, &
+            & loads, structure, merge(method_auto, method_single, n > many_pairs), warm_pairs, &
+            & contact, error)
         state%pivots = state%pivots + contact%pivots
         call take_contact(contact, allocated(state%pairs%friction), state, error)
     end subroutine solve_matrix

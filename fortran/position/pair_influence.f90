@@ -16,9 +16,11 @@ module flankload_pair_influence
     use flankload_influence_coefficients, only: add_strips
     use flankload_mesh, only: body_type, mesh_type
     use flankload_mode_field, only: add_modes, places_type
+    use flankload_motion_rows, only: in_fixed_frame
     use flankload_shaft_influence, only: add_shaft, directed_pairs, slide_shaft
     use flankload_slice_coupling, only: segments_of
     use flankload_slice_field, only: flank_of, modes_of
+    use flankload_support_influence, only: add_support
     use flankload_tangential_influence, only: add_tangential
     use flankload_turned_influence, only: add_turned
     implicit none
@@ -64,11 +66,12 @@ contains
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
         integer :: k
-        type(contribution_type) :: symmetric(4), other(4)
+        type(contribution_type) :: symmetric(5), other(4)
         type(places_type) :: places(size(bodies))
 
         symmetric = [contribution_type(elastic_modes), contribution_type(near_fields), &
-            & contribution_type(cells_in_slices), contribution_type(shafts)]
+            & contribution_type(cells_in_slices), contribution_type(shafts), &
+            & contribution_type(supports)]
         other = [contribution_type(turned_forces), contribution_type(friction), &
             & contribution_type(friction_in_slices), contribution_type(friction_on_shafts)]
         do k = 1, size(bodies)
@@ -211,6 +214,34 @@ contains
                 & matrix)
         end do
     end subroutine shafts
+
+    !> Supports of all bodies.
+    pure subroutine supports(bodies, meshes, zones, pairs, places, matrix)
+        !> As in add_contribution
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        type(zone_type), intent(in) :: zones(:)
+        type(pairs_type), intent(in) :: pairs
+        type(places_type), intent(in) :: places(:)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: b, i, k
+        real(wp) :: wrenches(3, pairs%n), fixed(3, 2)
+
+        do b = 1, size(bodies)
+            if (.not. allocated(bodies(b)%support)) cycle
+            associate (of => places(b)%of)
+                do i = 1, size(of)
+                    k = of(i)
+                    associate (zone => zones(pairs%zone(k)))
+                        fixed = in_fixed_frame(meshes(zone%mesh), 1.0_wp, pairs%closing(:, :, k))
+                        wrenches(:, i) = pairs%lever(k)*fixed(:, findloc(zone%body, b, dim=1))
+                    end associate
+                end do
+                call add_support(bodies(b)%support, wrenches(:, :size(of)), of, matrix)
+            end associate
+        end do
+    end subroutine supports
 
     !> Forces that turn over a sharp tip; bodies with tables between nodes have no response to them.
     pure subroutine turned_forces(bodies, meshes, zones, pairs, places, matrix)

@@ -12,10 +12,11 @@ module flankload_position_cells
     use flankload_contact_grid, only: grid_type, lay_cells, part_neighbours, wanted_grid
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
     use flankload_friction, only: add_friction
-    use flankload_gap_shift, only: has_shift, shift_pairs
+    use flankload_gap_shift, only: shift_pairs
     use flankload_lumped_hertz, only: least_half_width, least_load_share
     use flankload_node_cells, only: circles_through, lay_on_nodes
-    use flankload_mesh, only: body_type, grid_settings, mesh_type
+    use flankload_mesh, only: body_type, grid_settings, has_friction, mesh_type
+    use flankload_motion_rows, only: displace_pairs
     use flankload_position_zones, only: position_type
     use flankload_slice_field, only: flank_of, slices_type
     implicit none
@@ -53,11 +54,11 @@ module flankload_position_cells
 contains
 
     !> Return estimates for the cells, but no grids yet.
-    pure function new_cells(position, torque, estimate, included, settings) result(cells)
+    pure function new_cells(position, full, estimate, included, settings) result(cells)
         !> The position
         type(position_type), intent(in) :: position
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Force with which each zone would carry the loads alone [N], shape (zones)
+        real(wp), intent(in) :: full(:)
         !> Estimated forces of the zones [N], shape (zones)
         real(wp), intent(in) :: estimate(:)
         !> True for zones that shall have cells, shape (zones)
@@ -71,9 +72,9 @@ contains
         n = size(position%zones)
         cells%included = included
         cells%estimate = estimate
-        cells%least = least_load_share*torque/position%zones%lever
+        cells%least = least_load_share*full
         cells%in_slices = position%in_slices
-        if (cells%in_slices) cells%least = slice_part/least_load_share*position%part*cells%least
+        if (cells%in_slices) cells%least = slice_part*full
         if (any(position%zones%side < 0.0_wp)) then
             ! flanks that are pressed against each other across a tooth carry more than the torque
             cells%least = max(cells%least, least_load_share*maxval(estimate))
@@ -97,7 +98,7 @@ contains
         do z = 1, size(cells%included)
             if (.not. cells%included(z)) cycle
             site = position%zones(z)%site
-            cells%reach(:, z) = max(least_half_width(position%flank_length), &
+            cells%reach(:, z) = max(least_half_width(position%zones(z)%flank_length), &
                 & zone_reach(position%facing(site), position%zones(z), &
                 & position%kernel(z)*cells%part(z)))
         end do
@@ -114,7 +115,7 @@ contains
 
         curvatures = position%zones%curvature
         where (cells%included) curvatures = 8.0_wp*position%kernel*cells%part &
-            & /max(sum(cells%reach, dim=1), least_half_width(position%flank_length))**2
+            & /max(sum(cells%reach, dim=1), least_half_width(position%zones%flank_length))**2
     end function reached_curvatures
 
     !> Make the cells and the pairs on them.
@@ -140,8 +141,8 @@ contains
                 grids(z) = wanted_grid(zones(z), cells%reach(:, z), &
                     & edges_within(facing(site), zones(z), cells%reach(:, z)), &
                     & cells%widths(:, z)*one_sided(cells, z), &
-                    & meshes(1)%grid%strips_per_half_width, &
-                    & meshes(1)%grid%corner_strips_per_half_width)
+                    & meshes(zones(z)%mesh)%grid%strips_per_half_width, &
+                    & meshes(zones(z)%mesh)%grid%corner_strips_per_half_width)
             end do
             call part_grids(position, cells%included, grids)
             if (cells%in_slices) call take_one_width(meshes(1)%slices, zones, cells)
@@ -166,14 +167,17 @@ contains
             !> Grid of the zone
             type(grid_type), intent(inout) :: grid
 
-            if (allocated(bodies(1)%compliance%nodes)) then
-                call lay_on_nodes(bodies(1)%compliance%nodes, zone, grid)
-            else if (allocated(bodies(2)%compliance%nodes)) then
-                call lay_on_nodes(circles_through(bodies(2)%compliance%nodes, &
-                    & position%facing(zone%site), zone), zone, grid)
-            else
-                call lay_cells(zone, grid)
-            end if
+            associate (one => bodies(zone%body(1))%compliance, &
+                & two => bodies(zone%body(2))%compliance)
+                if (allocated(one%nodes)) then
+                    call lay_on_nodes(one%nodes, zone, grid)
+                else if (allocated(two%nodes)) then
+                    call lay_on_nodes(circles_through(two%nodes, position%facing(zone%site), &
+                        & zone), zone, grid)
+                else
+                    call lay_cells(zone, grid)
+                end if
+            end associate
         end subroutine lay_cells_of
 
     end subroutine lay_pairs
@@ -235,13 +239,11 @@ contains
                 call fatal_error(error, code_circle_misses)
                 return
             end if
-            if (has_shift(bodies(1)%compliance, bodies(2)%compliance)) then
-                call shift_pairs(bodies(1)%compliance, bodies(2)%compliance, first, pairs)
-            end if
-            if (allocated(meshes(1)%friction)) then
-                call add_friction(meshes(1)%friction, zone%side*position%speeds, facing, zone, &
-                    & first, pairs)
-            end if
+            call shift_pairs(bodies, zone, first, pairs)
+            if (allocated(position%displacements)) call displace_pairs(position%displacements, &
+                & meshes(zone%mesh), zone%side, first, pairs)
+            if (has_friction(meshes)) call add_friction(meshes(zone%mesh)%friction, &
+                & zone%side*position%speeds, facing, zone, first, pairs)
             if (zone%side < 0.0_wp) call take_out_of_mirror(first, pairs)
         end associate
     end subroutine append_cells

@@ -1,17 +1,17 @@
-!> Solution of a position for its torques, by lumped contacts or by cells, influence coefficients
+!> Solution of a position under its loads, by lumped contacts or by cells, influence coefficients
 !> and contact loop. Cells are made again until every force lies inside them and no zone without
 !> cells would touch.
 module flankload_position_load
     use flankload_kinds, only: wp
-    use flankload_status, only: code_conforms, code_unsettled_cells
+    use flankload_status, only: code_conforms, code_one_mesh_only, code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_conforming_slices, only: place_heights, solve_heights
     use flankload_contact_zones, only: zone_type
-    use flankload_lumped_estimate, only: estimate_forces
+    use flankload_lumped_estimate, only: estimate_forces, full_forces
     use flankload_lumped_position, only: solve_lumped
     use flankload_slice_coupling, only: check_slices, couple_slices
     use flankload_slice_field, only: flank_of
-    use flankload_mesh, only: body_type, level_lumped, mesh_type
+    use flankload_mesh, only: body_type, configuration_type, level_lumped, mesh_type, motion_type
     use flankload_position_zones, only: locate_contacts, position_type
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, lay_pairs, &
         & measure_reach, new_cells, reached_curvatures
@@ -33,22 +33,21 @@ module flankload_position_load
 
 contains
 
-    !> Solve one position for several torques; the result for a torque does not depend on the other
-    !> torques.
-    subroutine solve_position(bodies, meshes, angles, torques, states, speeds, known, room)
-        !> The bodies, and their meshes
+    !> Solve one position for several cases of loads; the result for one does not depend on the
+    !> other cases.
+    subroutine solve_position(bodies, meshes, motions, configuration, loads, states, known, room)
+        !> The bodies, their meshes and their motions
         type(body_type), target, intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Rotation angles of the bodies [rad], shape (bodies)
-        real(wp), intent(in) :: angles(:)
-        !> Torques on body 1 [N mm]
-        real(wp), intent(in) :: torques(:)
-        !> States, shape (torques); the status of a torque without a state is an error code
+        type(motion_type), intent(in) :: motions(:)
+        !> Configuration of the bodies
+        type(configuration_type), intent(in) :: configuration
+        !> Loads of the motions [N mm or N], shape (motions, cases)
+        real(wp), intent(in) :: loads(:, :)
+        !> States, shape (cases); the status of a case without a state is an error code
         type(position_state), intent(out) :: states(:)
-        !> Speeds of the bodies [rad per rad of the position], shape (bodies); needed with friction
-        real(wp), intent(in), optional :: speeds(:)
-        !> Pairs in contact in a similar position, shape (torques): if the number of pairs agrees,
-        !> the state follows from these without a certificate; otherwise it is solved
+        !> Pairs in contact in a similar position, shape (cases): a state with as many pairs follows
+        !> from these without a certificate
         type(known_contact), intent(in), optional :: known(:)
         !> Workspace that the next position reuses: releasing it and having it cleared again takes a
         !> quarter of the time
@@ -62,17 +61,16 @@ contains
 
         located = .false.
         if (present(room)) call move_alloc(room, position%room)
-        do t = 1, size(torques)
-            if (.not. located) call locate(torques(t), .not. allocated(meshes(1)%slices), position)
+        do t = 1, size(states)
+            if (.not. located) call locate(loads(:, t), .not. allocated(meshes(1)%slices), position)
             located = .not. (allocated(error) .or. position%conforms)
             contact = known_contact()
             if (present(known)) contact = known(t)
-            call solve_torque(bodies, meshes, torques(t), contact, position, states(t), &
-                & error)
+            call solve_loads(bodies, meshes, loads(:, t), contact, position, states(t), error)
             if (may_miss(position, states(t), allocated(error))) then
-                call locate(torques(t), .true., whole)
-                call solve_torque(bodies, meshes, torques(t), known_contact(), whole, &
-                    & states(t), error)
+                call locate(loads(:, t), .true., whole)
+                call solve_loads(bodies, meshes, loads(:, t), known_contact(), whole, states(t), &
+                    & error)
             end if
             if (allocated(error)) then
                 states(t)%status = error%code
@@ -84,9 +82,9 @@ contains
     contains
 
         !> Find the points of least gap.
-        subroutine locate(torque, everywhere, at)
-            !> Torque on body 1 [N mm]
-            real(wp), intent(in) :: torque
+        subroutine locate(load, everywhere, at)
+            !> Loads of the motions, shape (motions)
+            real(wp), intent(in) :: load(:)
             !> True if slices far from each other are searched as well
             logical, intent(in) :: everywhere
             !> The position
@@ -94,32 +92,53 @@ contains
 
             real(wp), allocatable :: kept(:)
 
-            if (allocated(meshes(1)%slices)) then
-                call check_slices(bodies, meshes, error)
-                if (allocated(error)) return
-            end if
+            if (allocated(meshes(1)%slices)) call check_slices(bodies, meshes, error)
+            if (.not. allocated(error)) call check_meshes(meshes, size(motions), error)
+            if (allocated(error)) return
             if (allocated(meshes(1)%height)) then
-                call place_heights(bodies, meshes(1), angles, at)
+                call place_heights(bodies, meshes, motions, configuration%angles(:, 1), at)
                 return
             end if
             call move_alloc(at%room, kept)
-            call locate_contacts(bodies, meshes, angles, torque, everywhere, at, error)
+            call locate_contacts(bodies, meshes, motions, configuration, load, everywhere, at, &
+                & error)
             call move_alloc(kept, at%room)
-            if (allocated(meshes(1)%slices) .and. .not. allocated(error)) then
-                call couple_slices(bodies, meshes, at)
-            end if
-            if (present(speeds)) at%speeds = speeds
+            if (at%in_slices .and. .not. allocated(error)) call couple_slices(bodies, meshes, at)
         end subroutine locate
 
     end subroutine solve_position
 
-    !> Solve a position for one torque.
-    subroutine solve_torque(bodies, meshes, torque, contact, position, state, error)
+    !> Report an error for several meshes or motions with what is defined for one mesh and the
+    !> rotation of body 1 only: slices, finite forces, and friction, whose state may not be unique.
+    pure subroutine check_meshes(meshes, n_motions, error)
+        !> The meshes, and the number of motions
+        type(mesh_type), intent(in) :: meshes(:)
+        integer, intent(in) :: n_motions
+        !> Set if the input is not supported
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: m
+
+        if (size(meshes) == 1 .and. n_motions == 1) return
+        do m = 1, size(meshes)
+            if (allocated(meshes(m)%slices) .or. allocated(meshes(m)%friction) &
+                & .or. meshes(m)%grid%finite_steps > 0) then
+                call fatal_error(error, code_one_mesh_only)
+                return
+            end if
+        end do
+        if (any(meshes%grid%level /= meshes(1)%grid%level)) then
+            call fatal_error(error, code_one_mesh_only)
+        end if
+    end subroutine check_meshes
+
+    !> Solve a position for one case of loads.
+    subroutine solve_loads(bodies, meshes, loads, contact, position, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Pairs in contact, if known from a similar position
         type(known_contact), intent(in) :: contact
         !> The position
@@ -130,18 +149,18 @@ contains
         type(error_type), allocatable, intent(inout) :: error
 
         if (allocated(error)) return
-        call blank_state(size(bodies(1)%site_angles), state)
-        if (torque <= 0.0_wp .and. .not. presses_across(position)) then
+        call blank_state(sum(meshes%n_sites), size(loads), state)
+        if (all(abs(loads) <= 0.0_wp) .and. .not. presses_across(position)) then
             call unloaded_state(position, state)
         else if (allocated(meshes(1)%height)) then
-            call solve_heights(meshes(1), torque, position, state, error)
+            call solve_heights(meshes(1), loads, position, state, error)
         else if (meshes(1)%grid%level == level_lumped) then
-            call solve_lumped(bodies, meshes, torque, position, state, error)
+            call solve_lumped(bodies, meshes, loads, position, state, error)
         else
-            call solve_load(bodies, meshes, position, torque, contact, state, error)
+            call solve_on_cells(bodies, meshes, position, loads, contact, state, error)
         end if
         if (allocated(position%ends) .and. .not. allocated(error)) call note_ends(position, state)
-    end subroutine solve_torque
+    end subroutine solve_loads
 
     !> Return whether a slice that was not searched could touch.
     !>
@@ -162,19 +181,18 @@ contains
         may = position%unseen < huge(1.0_wp)
         if (.not. may .or. failed) return
         least = minval(position%gap)
-        may = .not. position%unseen > least + enough*abs(state%rotation - least)
+        may = .not. position%unseen > least + enough*abs(state%motion(1) - least)
     end function may_miss
 
-    !> Solve a position for one torque on cells.
-    subroutine solve_load(bodies, meshes, position, torque, contact, state, error)
+    !> Solve a position for one case of loads on cells.
+    subroutine solve_on_cells(bodies, meshes, position, loads, contact, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Position; the near fields of slices are updated for the torque
+        !> Position; the near fields of slices are updated for the loads
         type(position_type), intent(inout) :: position
-        !> Torque on body 1 [N mm], positive unless flanks are pressed against each other across the
-        !> teeth
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Pairs in contact, if known from a similar position
         type(known_contact), intent(in) :: contact
         !> State; blank on entry
@@ -188,9 +206,9 @@ contains
         logical :: settled
 
         if (allocated(meshes(1)%slices)) then
-            call expect_in_slices(bodies, meshes, position, torque, cells, state, error)
+            call expect_in_slices(bodies, meshes, position, loads, cells, state, error)
         else
-            call expect_cells(meshes(1), position, torque, cells, state, error)
+            call expect_cells(meshes(1), position, loads, cells, state, error)
         end if
         if (allocated(error)) return
         associate (zones => position%zones)
@@ -202,10 +220,10 @@ contains
                 if (pass == 1) call continue_contact(settled)
                 if (settled) exit
                 call solve_pairs(bodies, meshes, position, expected_pairs(state%pairs, zones, &
-                    & cells), torque, state, error)
+                    & cells), loads, state, error)
                 if (allocated(error)) return
                 call check_grids(state%forces, cells, settled)
-                touches = would_touch(position, cells%estimate, state%rotation)
+                touches = would_touch(position, cells%estimate, state%motion)
                 if (any(touches .and. .not. cells%included)) settled = .false.
                 cells%included = cells%included .or. touches
                 if (settled) exit
@@ -227,19 +245,19 @@ contains
             solved = .false.
             if (.not. allocated(contact%touches) .or. meshes(1)%grid%finite_steps > 0) return
             if (size(contact%touches) /= state%pairs%n) return
-            call solve_known(bodies, meshes, position%zones, contact%touches, torque, state, solved)
+            call solve_known(bodies, meshes, position, contact%touches, loads, state, solved)
         end subroutine continue_contact
 
-    end subroutine solve_load
+    end subroutine solve_on_cells
 
     !> Estimate the cells by the forces of lumped contacts.
-    subroutine expect_cells(mesh, position, torque, cells, state, error)
+    subroutine expect_cells(mesh, position, loads, cells, state, error)
         !> The mesh
         type(mesh_type), intent(in) :: mesh
         !> The position
         type(position_type), intent(in) :: position
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Cells with estimated half-widths, still without grids
         type(cells_type), intent(out) :: cells
         !> State, whose counters are increased
@@ -248,18 +266,17 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         real(wp), dimension(size(position%zones)) :: estimate, curvatures
-        real(wp) :: rotation
+        real(wp) :: motion(size(loads))
 
         associate (zones => position%zones)
-            call estimate_forces(position, zones%curvature, torque, estimate, rotation, state, &
-                & error)
+            call estimate_forces(position, zones%curvature, loads, estimate, motion, state, error)
             if (allocated(error)) return
-            cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
-                & .or. may_touch(position, rotation), mesh%grid)
+            cells = new_cells(position, full_forces(position, loads), estimate, estimate > 0.0_wp &
+                & .or. may_touch(position, motion), mesh%grid)
             call measure_reach(position, cells)
             curvatures = reached_curvatures(position, cells)
             if (any(abs(curvatures - zones%curvature) > curvature_tolerance*curvatures)) then
-                call estimate_forces(position, curvatures, torque, estimate, rotation, state, error)
+                call estimate_forces(position, curvatures, loads, estimate, motion, state, error)
                 if (allocated(error)) return
                 cells%estimate = estimate
                 cells%included = cells%included .or. estimate > 0.0_wp
@@ -269,14 +286,14 @@ contains
     end subroutine expect_cells
 
     !> Estimate the cells by the lumped forces of the slices.
-    subroutine expect_in_slices(bodies, meshes, position, torque, cells, state, error)
+    subroutine expect_in_slices(bodies, meshes, position, loads, cells, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Position; its near fields are updated for the torque
+        !> Position; its near fields are updated for the loads
         type(position_type), intent(inout) :: position
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
         !> Cells with estimated half-widths, still without grids
         type(cells_type), intent(out) :: cells
         !> State, whose counters are increased
@@ -288,8 +305,8 @@ contains
         real(wp) :: estimate(size(position%zones))
         type(position_state) :: lumped
 
-        call blank_state(size(bodies(1)%site_angles), lumped)
-        call solve_lumped(bodies, meshes, torque, position, lumped, error)
+        call blank_state(sum(meshes%n_sites), size(loads), lumped)
+        call solve_lumped(bodies, meshes, loads, position, lumped, error)
         state%pivots = state%pivots + lumped%pivots
         state%lumped_solutions = state%lumped_solutions + lumped%lumped_solutions
         state%largest_part = lumped%largest_part
@@ -307,13 +324,12 @@ contains
             deallocate (error)
             associate (flanks => flank_of(meshes(1)%slices, position%zones%site))
                 first = minloc(position%gap, dim=1, mask=position%zones%side > 0.0_wp)
-                where (flanks == flanks(first)) estimate = position%part*torque &
-                    & /position%zones%lever
+                estimate = merge(full_forces(position, loads), 0.0_wp, flanks == flanks(first))
             end associate
-            lumped%rotation = position%gap(first)
+            lumped%motion = position%gap(first)
         end if
-        cells = new_cells(position, torque, estimate, estimate > 0.0_wp &
-            & .or. may_touch(position, lumped%rotation), meshes(1)%grid)
+        cells = new_cells(position, full_forces(position, loads), estimate, estimate > 0.0_wp &
+            & .or. may_touch(position, lumped%motion), meshes(1)%grid)
         call measure_reach(position, cells)
     end subroutine expect_in_slices
 

@@ -24,9 +24,11 @@ module flankload_position_state
     type :: position_state
         !> Status 0 … 3 of the contact loop, or a negative error code
         integer :: status = 0
-        !> Rotation of body 1 [rad] and its derivative with respect to the torque [rad/(N mm)]
-        real(wp) :: rotation = 0.0_wp
-        real(wp) :: tangent = 0.0_wp
+        !> Motions [rad or mm], shape (motions), and their derivatives with respect to the loads,
+        !> shape (motions, motions)
+        real(wp), allocatable :: motion(:), tangent(:, :)
+        !> True for motions on which no force works, shape (motions): they are undetermined
+        logical, allocatable :: free(:)
         !> Pairs, their forces [N] and final gaps along the normal [mm], shape (pairs%n)
         type(pairs_type) :: pairs
         real(wp), allocatable :: forces(:), gaps(:)
@@ -50,12 +52,15 @@ module flankload_position_state
 contains
 
     !> Set a state without forces.
-    pure subroutine blank_state(n_sites, state)
-        !> Number of sites
+    pure subroutine blank_state(n_sites, n_motions, state)
+        !> Number of sites, and of motions
         integer, intent(in) :: n_sites
+        integer, intent(in) :: n_motions
         !> The state
         type(position_state), intent(out) :: state
 
+        allocate (state%motion(n_motions), state%tangent(n_motions, n_motions), source=0.0_wp)
+        allocate (state%free(n_motions), source=.false.)
         allocate (state%site_force(n_sites), state%site_peak(n_sites), source=0.0_wp)
         allocate (state%site_corner(n_sites), source=site_off_corners)
     end subroutine blank_state
@@ -84,8 +89,9 @@ contains
             return
         end if
         state%status = contact%status
-        state%rotation = contact%motion(1)
-        state%tangent = contact%tangent(1, 1)
+        call move_alloc(contact%motion, state%motion)
+        call move_alloc(contact%tangent, state%tangent)
+        call move_alloc(contact%free, state%free)
         call move_alloc(contact%forces, state%forces)
         call move_alloc(contact%gaps, state%gaps)
         state%condition = contact%condition
@@ -106,7 +112,7 @@ contains
         end associate
     end function presses_across
 
-    !> Set the state without torque: body 1 is at the angle at which the first pair touches.
+    !> Set the state without loads: of a single motion the angle at which the first pair touches.
     pure subroutine unloaded_state(position, state)
         !> The position
         type(position_type), intent(in) :: position
@@ -115,12 +121,15 @@ contains
 
         integer :: z
 
-        z = minloc(position%gap, dim=1, mask=position%zones%side > 0.0_wp)
-        state%rotation = position%gap(z)
         state%tangent = ieee_value(1.0_wp, ieee_quiet_nan)
-        associate (zone => position%zones(z))
-            state%site_corner(zone%site) = merge(zone%corner, site_touches, zone%corner > 0)
-        end associate
+        state%free = size(state%motion) > 1
+        if (.not. any(state%free)) then
+            z = minloc(position%gap/position%rates(:, 1), dim=1, mask=position%rates(:, 1) > 0.0_wp)
+            state%motion = position%gap(z)/position%rates(z, 1)
+            associate (zone => position%zones(z))
+                state%site_corner(zone%site) = merge(zone%corner, site_touches, zone%corner > 0)
+            end associate
+        end if
         call reserve_pairs(state%pairs, 0)
         allocate (state%forces(0), state%gaps(0))
     end subroutine unloaded_state
@@ -136,7 +145,7 @@ contains
 
         do z = 1, size(position%ends)
             site = position%ends(z)%site
-            if (position%end_gap(z) < position%ends(z)%side*state%rotation &
+            if (position%end_gap(z) < dot_product(position%end_rates(z, :), state%motion) &
                 & .and. state%site_corner(site) == site_off_corners) then
                 state%site_corner(site) = site_end_would_touch
             end if
@@ -154,30 +163,30 @@ contains
         state%lumped_solutions = state%lumped_solutions + 1
     end subroutine count_lumped
 
-    !> Return whether each zone may touch at an estimated rotation, and needs an unknown.
-    pure function may_touch(position, rotation) result(touches)
+    !> Return whether each zone may touch at estimated motions, and needs an unknown.
+    pure function may_touch(position, motion) result(touches)
         !> The position
         type(position_type), intent(in) :: position
-        !> Estimated rotation [rad]
-        real(wp), intent(in) :: rotation
+        !> Estimated motions [rad or mm], shape (motions)
+        real(wp), intent(in) :: motion(:)
         logical :: touches(size(position%zones))
 
         real(wp) :: closed(size(position%zones))
 
-        closed = position%zones%side*rotation
+        closed = matmul(position%rates, motion)
         touches = position%gap < closed + inclusion_margin*maxval(closed - position%gap)
     end function may_touch
 
-    !> Return whether each zone would touch: its gap is closed by the rotation and by the
+    !> Return whether each zone would touch: its gap is closed by the motions and by the
     !> displacement due to forces on other sites (which can be towards the mate: a tooth on a thin
     !> rim).
-    pure function would_touch(position, forces, rotation) result(touches)
+    pure function would_touch(position, forces, motion) result(touches)
         !> The position
         type(position_type), intent(in) :: position
         !> Forces of the zones [N], shape (zones)
         real(wp), intent(in) :: forces(:)
-        !> Rotation [rad]
-        real(wp), intent(in) :: rotation
+        !> Motions [rad or mm], shape (motions)
+        real(wp), intent(in) :: motion(:)
         logical :: touches(size(forces))
 
         integer :: z
@@ -185,8 +194,8 @@ contains
         associate (zones => position%zones)
             do z = 1, size(zones)
                 ! the contact model covers the displacement due to forces on the same site
-                touches(z) = zones(z)%lever*(position%gap(z) - zones(z)%side*rotation) &
-                    & + min(0.0_wp, sum(position%coupling(z, :)*forces, &
+                touches(z) = zones(z)%lever*(position%gap(z) - dot_product(position%rates(z, :), &
+                    & motion)) + min(0.0_wp, sum(position%coupling(z, :)*forces, &
                     & mask=zones%site /= zones(z)%site)) < 0.0_wp
             end do
         end associate

@@ -1,6 +1,6 @@
-!> Sweep: all positions and torques in one call. Positions are independent of each other, and so are
-!> torques: threads share the positions, and every result is bitwise the same for any number of
-!> threads and any other requested results.
+!> Sweep: all positions under all loads in one call. Positions are independent of each other, and so
+!> are cases of loads: threads share the positions, and every result is bitwise the same for any
+!> number of threads and any other requested results.
 !>
 !> Memory: site results of all states, pairs packed into the caller's arrays, and the data of one
 !> position per thread.
@@ -8,7 +8,9 @@ module flankload_position_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_status, only: no_contact_state, code_no_room, code_stopped, site_off_corners
-    use flankload_mesh, only: body_type, mesh_type
+    use flankload_contact_result, only: copy_motion
+    use flankload_mesh, only: body_type, configuration_type, mesh_type, motion_type
+    use flankload_motion_rows, only: in_fixed_frame
     use flankload_known_contact, only: contact_of, known_contact, known_contacts
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
@@ -21,26 +23,30 @@ module flankload_position_sweep
 
     !> Results of a sweep; NaN if there is no state.
     type :: sweep_type
-        !> Status 0 … 3 of the contact loop, or a negative error code, shape (positions, torques)
+        !> Status 0 … 3 of the contact loop, or a negative error code, shape (positions, cases)
         integer, allocatable :: status(:, :)
-        !> Rotation [rad] and its derivative with respect to the torque [rad/(N mm)], shape
-        !> (positions, torques)
-        real(wp), allocatable :: rotation(:, :), tangent(:, :)
-        !> Backward error, condition, margin, shape (3, positions, torques); if there is no state,
+        !> Motions [rad or mm], shape (motions, positions, cases), and their derivatives with
+        !> respect to the loads, shape (motions, motions, positions, cases); NaN for motions on
+        !> which no force works
+        real(wp), allocatable :: motion(:, :, :), tangent(:, :, :, :)
+        !> Forces on each body by all contacts along x and y [N] and moment about its axis [N mm] in
+        !> the fixed frame, shape (3, bodies, positions, cases)
+        real(wp), allocatable :: resultant(:, :, :, :)
+        !> Backward error, condition, margin, shape (3, positions, cases); if there is no state,
         !> the largest fraction of the torque that can be carried, and 1 if it is proven that no
         !> state exists
         real(wp), allocatable :: certificate(:, :, :)
         !> Pivots, influence columns, passes over the grid, refactorizations, influence columns of
         !> tangential forces, lumped solutions, solutions of finite forces, shape (n_counters,
-        !> positions, torques); those of states without a solution or without room for their pairs
+        !> positions, cases); those of states without a solution or without room for their pairs
         !> are included
         integer, allocatable :: counters(:, :, :)
         !> Force [N], maximum of force over cell width [N/mm], body with contact on its sharp
-        !> corner (or `site_off_corners` … of `flankload_status`), shape (sites, positions, torques)
+        !> corner (or `site_off_corners` … of `flankload_status`), shape (sites, positions, cases)
         real(wp), allocatable :: site_force(:, :, :), site_peak(:, :, :)
         integer, allocatable :: site_corner(:, :, :)
         !> Number of pairs, and index of the first of them in the caller's arrays (from 1), shape
-        !> (positions, torques)
+        !> (positions, cases)
         integer, allocatable :: n_pairs(:, :), first_pair(:, :)
     end type sweep_type
 
@@ -69,19 +75,17 @@ module flankload_position_sweep
 
 contains
 
-    !> Solve every position for every torque.
-    subroutine sweep_positions(bodies, meshes, angles, speeds, torques, control, pair_site, &
+    !> Solve every position under all loads.
+    subroutine sweep_positions(bodies, meshes, motions, configurations, loads, control, pair_site, &
             & pair_table, found, known)
-        !> The bodies, and their meshes
+        !> The bodies, their meshes and their motions
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Angles of the bodies [rad], shape (bodies, positions)
-        real(wp), intent(in) :: angles(:, :)
-        !> Speeds of the bodies [rad per rad of the position], shape (bodies, positions), or
-        !> (bodies, 0) without friction
-        real(wp), intent(in) :: speeds(:, :)
-        !> Torques on body 1 [N mm]
-        real(wp), intent(in) :: torques(:)
+        type(motion_type), intent(in) :: motions(:)
+        !> Configuration of the bodies in each position, shape (positions)
+        type(configuration_type), intent(in) :: configurations(:)
+        !> Loads of the motions [N mm or N], shape (motions, cases)
+        real(wp), intent(in) :: loads(:, :)
         !> Shared with the caller during the call. (1): a nonzero value stops the sweep before
         !> positions that have not begun; (2): number of completed positions
         integer, intent(inout) :: control(2)
@@ -92,16 +96,17 @@ contains
         real(wp), intent(inout) :: pair_table(:, :)
         !> Results of the sweep
         type(sweep_type), intent(out) :: found
-        !> Pairs in contact in a similar sweep of as many positions and torques
+        !> Pairs in contact in a similar sweep of as many positions and cases
         type(known_contacts), intent(in), optional :: known
 
         integer :: k, used, asked_to_stop
         real(wp), allocatable :: room(:)
 
-        call reserve(found, size(bodies(1)%site_angles), size(angles, 2), size(torques))
+        call reserve(found, size(bodies), sum(meshes%n_sites), size(motions), &
+            & size(configurations), size(loads, 2))
         used = 0
         !$omp parallel do schedule(dynamic) private(asked_to_stop, room)
-        do k = 1, size(angles, 2)
+        do k = 1, size(configurations)
             ! atomic: another thread of the caller writes it, so each read must access memory
             !$omp atomic read
             asked_to_stop = control(1)
@@ -119,8 +124,8 @@ contains
             real(wp), allocatable, intent(inout) :: room(:)
 
             integer :: before, needed, most, t
-            type(position_state) :: states(size(torques))
-            type(known_contact) :: contacts(size(torques))
+            type(position_state) :: states(size(loads, 2))
+            type(known_contact) :: contacts(size(loads, 2))
 
             most = size(pair_site)
             found%status(at, :) = code_no_room
@@ -128,24 +133,19 @@ contains
             before = used
             if (before > most) return
             if (present(known)) then
-                do t = 1, size(torques)
+                do t = 1, size(loads, 2)
                     contacts(t) = contact_of(known, at, t)
                 end do
             end if
-            if (size(speeds, 2) > 0) then
-                call solve_position(bodies, meshes, angles(:, at), torques, states, &
-                    & speeds(:, at), contacts, room)
-            else
-                call solve_position(bodies, meshes, angles(:, at), torques, states, &
-                    & known=contacts, room=room)
-            end if
+            call solve_position(bodies, meshes, motions, configurations(at), loads, states, &
+                & contacts, room)
             needed = 0
             if (most > 0) needed = sum(states%pairs%n, mask=states%status >= 0)
             !$omp atomic capture
             before = used
             used = used + needed
             !$omp end atomic
-            call note_states(at, states, before + needed <= most, found)
+            call note_states(meshes, at, states, before + needed <= most, found)
             if (before + needed > most) return
             if (most > 0) call pack_pairs(at, states, before, pair_site, pair_table, found)
             !$omp atomic update
@@ -155,34 +155,39 @@ contains
     end subroutine sweep_positions
 
     !> Allocate the results, all of them empty.
-    pure subroutine reserve(found, n_sites, n_positions, n_torques)
+    pure subroutine reserve(found, n_bodies, n_sites, n_motions, n_positions, n_cases)
         !> Results of the sweep
         type(sweep_type), intent(out) :: found
-        !> Numbers of sites, positions and torques
+        !> Numbers of bodies, sites, motions, positions and cases of loads
+        integer, intent(in) :: n_bodies
         integer, intent(in) :: n_sites
+        integer, intent(in) :: n_motions
         integer, intent(in) :: n_positions
-        integer, intent(in) :: n_torques
+        integer, intent(in) :: n_cases
 
         real(wp) :: nan
 
         nan = ieee_value(1.0_wp, ieee_quiet_nan)
-        allocate (found%status(n_positions, n_torques), source=code_stopped)
-        allocate (found%rotation(n_positions, n_torques), source=nan)
-        allocate (found%tangent(n_positions, n_torques), source=nan)
-        allocate (found%certificate(3, n_positions, n_torques), source=nan)
-        allocate (found%counters(n_counters, n_positions, n_torques), source=0)
-        allocate (found%site_force(n_sites, n_positions, n_torques), source=nan)
-        allocate (found%site_peak(n_sites, n_positions, n_torques), source=nan)
-        allocate (found%site_corner(n_sites, n_positions, n_torques), source=site_off_corners)
-        allocate (found%n_pairs(n_positions, n_torques), source=0)
-        allocate (found%first_pair(n_positions, n_torques), source=0)
+        allocate (found%status(n_positions, n_cases), source=code_stopped)
+        allocate (found%motion(n_motions, n_positions, n_cases), source=nan)
+        allocate (found%tangent(n_motions, n_motions, n_positions, n_cases), source=nan)
+        allocate (found%resultant(3, n_bodies, n_positions, n_cases), source=nan)
+        allocate (found%certificate(3, n_positions, n_cases), source=nan)
+        allocate (found%counters(n_counters, n_positions, n_cases), source=0)
+        allocate (found%site_force(n_sites, n_positions, n_cases), source=nan)
+        allocate (found%site_peak(n_sites, n_positions, n_cases), source=nan)
+        allocate (found%site_corner(n_sites, n_positions, n_cases), source=site_off_corners)
+        allocate (found%n_pairs(n_positions, n_cases), source=0)
+        allocate (found%first_pair(n_positions, n_cases), source=0)
     end subroutine reserve
 
     !> Store the counters of a position, and its states if there is room for their pairs.
-    pure subroutine note_states(k, states, has_room, found)
+    pure subroutine note_states(meshes, k, states, has_room, found)
+        !> The meshes
+        type(mesh_type), intent(in) :: meshes(:)
         !> Index of the position
         integer, intent(in) :: k
-        !> States of the position, shape (torques)
+        !> States of the position, shape (cases)
         type(position_state), intent(in) :: states(:)
         !> True if there is room for the pairs
         logical, intent(in) :: has_room
@@ -203,8 +208,9 @@ contains
                         & merge(1.0_wp, 0.0_wp, state%none_proven)]
                 end if
                 if (state%status < 0) cycle
-                found%rotation(k, t) = state%rotation
-                found%tangent(k, t) = state%tangent
+                call copy_motion(state%motion, state%tangent, state%free, found%motion(:, k, t), &
+                    & found%tangent(:, :, k, t))
+                call add_resultants(meshes, state, found%resultant(:, :, k, t))
                 found%certificate(:, k, t) = [state%backward_error, state%condition, state%margin]
                 found%site_force(:, k, t) = state%site_force
                 found%site_peak(:, k, t) = state%site_peak
@@ -214,11 +220,41 @@ contains
         end do
     end subroutine note_states
 
+    !> Sum the forces on each body by all contacts.
+    pure subroutine add_resultants(meshes, state, resultant)
+        !> The meshes
+        type(mesh_type), intent(in) :: meshes(:)
+        !> A state
+        type(position_state), intent(in) :: state
+        !> Forces along x and y [N] and moments [N mm], shape (3, bodies)
+        real(wp), intent(out) :: resultant(:, :)
+
+        integer :: b, i, m, last
+
+        resultant = 0.0_wp
+        m = 1
+        last = meshes(1)%n_sites
+        associate (pairs => state%pairs)
+            do i = 1, pairs%n
+                do while (pairs%site(i) > last)
+                    m = m + 1
+                    last = last + meshes(m)%n_sites
+                end do
+                associate (fixed => in_fixed_frame(meshes(m), 1.0_wp, pairs%closing(:, :, i)))
+                    do b = 1, 2
+                        resultant(:, meshes(m)%bodies(b)) = resultant(:, meshes(m)%bodies(b)) &
+                            & - pairs%torque_lever(i)*state%forces(i)*fixed(:, b)
+                    end do
+                end associate
+            end do
+        end associate
+    end subroutine add_resultants
+
     !> Pack the pairs of a position into the caller's arrays.
     pure subroutine pack_pairs(k, states, before, pair_site, pair_table, found)
         !> Index of the position
         integer, intent(in) :: k
-        !> States of the position, shape (torques)
+        !> States of the position, shape (cases)
         type(position_state), intent(in) :: states(:)
         !> Number of pairs stored before those of this position
         integer, intent(in) :: before

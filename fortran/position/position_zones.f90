@@ -6,22 +6,25 @@ module flankload_position_zones
         & code_only_ends
     use flankload_error, only: error_type, fatal_error
     use flankload_flank_curve, only: curve_length, new_frame
-    use flankload_compliance_field, only: compliance_type
     use flankload_slice_field, only: mean_width, slice_of
-    use flankload_circle_pair, only: facing_type
+    use flankload_circle_pair, only: facing_type, flank_type
     use flankload_coarse_gap, only: coarse_gap
+    use flankload_contact_normal, only: closing_of
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_coefficients, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width, usual_half_width
-    use flankload_mesh, only: body_type, mesh_type
+    use flankload_mesh, only: body_type, configuration_type, mesh_type, motion_type, rotation
+    use flankload_motion_rows, only: closed_by_displacements, in_fixed_frame, zone_rates
+    use flankload_polar_geometry, only: turned
     use flankload_near_field, only: image_displacement, image_type, &
         & near_field_between, new_image
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
+    use flankload_support_influence, only: add_support
     implicit none
     private
 
     public :: position_type
-    public :: locate_contacts, lever_share
+    public :: locate_contacts, lever_share, place_on
 
     !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
@@ -34,10 +37,17 @@ module flankload_position_zones
         !> [rad], shape (zones)
         type(zone_type), allocatable :: zones(:)
         real(wp), allocatable :: gap(:)
+        !> The motions, and the rotation of body 1 of its mesh that closes the gap of a zone as a
+        !> unit of each motion does, shape (zones, motions)
+        type(motion_type), allocatable :: motions(:)
+        real(wp), allocatable :: rates(:, :)
+        !> Known displacements of the bodies along x and y [mm] and rotations [rad] in the fixed
+        !> frame, shape (3, bodies); not allocated without
+        real(wp), allocatable :: displacements(:, :)
         !> The same for least gaps at cut ends of flanks, which are ignored; not allocated if there
         !> are none
         type(zone_type), allocatable :: ends(:)
-        real(wp), allocatable :: end_gap(:)
+        real(wp), allocatable :: end_gap(:), end_rates(:, :)
         !> Lower bound of the gap angle of all sites that were not searched [rad]
         real(wp) :: unseen = huge(1.0_wp)
         !> Compliance of both bodies between the zones: normal displacement at i per unit force at
@@ -62,8 +72,6 @@ module flankload_position_zones
         logical :: in_slices = .false.
         !> Mirror images of the zones behind the ends of flank 1 and of flank 2, shape (2, zones)
         type(image_type), allocatable :: images(:, :)
-        !> Length of flank 1 [mm]: reference for small lengths and curvatures
-        real(wp) :: flank_length = 0.0_wp
         !> True if flanks conform: the zones are then valid only for the torque for which they were
         !> found
         logical :: conforms = .false.
@@ -87,14 +95,16 @@ module flankload_position_zones
 contains
 
     !> Find the points of least gap, and the compliance between them in the plane.
-    subroutine locate_contacts(bodies, meshes, angles, torque, everywhere, position, error)
-        !> The bodies, and their meshes
+    subroutine locate_contacts(bodies, meshes, motions, configuration, loads, everywhere, &
+            & position, error)
+        !> The bodies, their meshes and their motions
         type(body_type), target, intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Rotation angles of the bodies [rad], shape (bodies)
-        real(wp), intent(in) :: angles(:)
-        !> Torque on body 1 [N mm]; used only if flanks conform
-        real(wp), intent(in) :: torque
+        type(motion_type), intent(in) :: motions(:)
+        !> Configuration of the bodies
+        type(configuration_type), intent(in) :: configuration
+        !> Loads of the motions [N mm or N], shape (motions); used only if flanks conform
+        real(wp), intent(in) :: loads(:)
         !> True if slices far from each other are searched as well
         logical, intent(in) :: everywhere
         !> Position
@@ -102,149 +112,227 @@ contains
         !> Set if no flanks meet, or a minimum of the gap could not be computed exactly
         type(error_type), allocatable, intent(out) :: error
 
-        logical :: faces(size(bodies(1)%site_angles))
-        type(zone_type), allocatable :: zones(:)
+        integer :: m, first
+        logical, allocatable :: faces(:)
+        type(zone_type), allocatable :: zones(:), found(:)
 
-        call place_flanks(bodies, meshes, angles, everywhere, position, faces)
-        call search_sites(bodies, meshes, faces, torque, position, zones, error)
-        if (allocated(error)) return
-        if (.not. any(zones%side > 0.0_wp)) then
-            call fatal_error(error, code_no_zone)
-            return
+        position%motions = motions
+        if (allocated(configuration%displacements)) then
+            position%displacements = configuration%displacements
         end if
+        if (allocated(configuration%speeds)) position%speeds = configuration%speeds
+        allocate (position%facing(sum(meshes%n_sites)), position%deviation(sum(meshes%n_sites)), &
+            & faces(sum(meshes%n_sites)))
+        allocate (zones(0))
+        first = 1
+        do m = 1, size(meshes)
+            call place_flanks(bodies, meshes(m), configuration%angles(:, m), everywhere, first, &
+                & position, faces)
+            call search_sites(bodies, meshes(m), faces, first, loads, position, found, error)
+            if (allocated(error)) return
+            found%mesh = m
+            zones = [zones, found]
+            first = first + meshes(m)%n_sites
+        end do
         if (any(zones%left_out)) then
             position%ends = pack(zones, zones%left_out)
-            position%end_gap = gaps_without_load(bodies, position%deviation, position%ends)
+            call set_closing(position%facing, position%ends)
+            position%end_rates = zone_rates(motions, meshes, position%ends)
+            position%end_gap = gaps_without_load(bodies, meshes, position, position%ends)
         end if
         position%zones = pack(zones, .not. zones%left_out)
-        if (.not. any(position%zones%side > 0.0_wp)) then
-            call fatal_error(error, code_only_ends)
-            return
-        end if
-        if (has_shift(bodies(1)%compliance, bodies(2)%compliance)) then
-            call shift_zones(position%facing, bodies(1)%compliance, bodies(2)%compliance, &
-                & position%zones)
-        end if
-        position%gap = gaps_without_load(bodies, position%deviation, position%zones)
+        call shift_zones(position%facing, bodies, position%zones)
+        call set_closing(position%facing, position%zones)
+        position%rates = zone_rates(motions, meshes, position%zones)
+        position%gap = gaps_without_load(bodies, meshes, position, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
         position%in_slices = allocated(meshes(1)%slices)
-        if (.not. position%in_slices) then
-            call couple_zones(bodies(1)%compliance, bodies(2)%compliance, position)
-        end if
+        if (.not. position%in_slices) call couple_zones(bodies, meshes, position)
     end subroutine locate_contacts
 
-    !> Compute the frames of the flanks, and choose the sites to be searched.
-    subroutine place_flanks(bodies, meshes, angles, everywhere, position, faces)
-        !> The bodies, and their meshes
+    !> Compute the frames of the flanks of a mesh, and choose the sites to be searched.
+    subroutine place_flanks(bodies, mesh, angles, everywhere, first, position, faces)
+        !> The bodies, and the mesh
         type(body_type), target, intent(in) :: bodies(:)
-        type(mesh_type), intent(in) :: meshes(:)
-        !> Rotation angles of the bodies [rad], shape (bodies)
-        real(wp), intent(in) :: angles(:)
+        type(mesh_type), intent(in) :: mesh
+        !> Angles of its bodies [rad], shape (2)
+        real(wp), intent(in) :: angles(2)
         !> True if slices far from each other are searched as well
         logical, intent(in) :: everywhere
+        !> Its first site
+        integer, intent(in) :: first
         !> Position; its frames and the bound of the sites that are not searched are set
         type(position_type), intent(inout) :: position
         !> True for sites to be searched, shape (sites)
-        logical, intent(out) :: faces(:)
+        logical, intent(inout) :: faces(:)
 
         !> Least lever relative to the radius: no flank is steeper.
         real(wp), parameter :: least_lever = 0.5_wp
-        integer :: site, n_sites, n_working
-        integer :: sides(size(faces))
-        real(wp) :: bounds(size(faces)), radius(2)
+        integer :: k, site, last, n_working, sites(2)
+        integer, allocatable :: sides(:)
+        real(wp) :: bounds(mesh%n_sites), radius(2), length
 
-        n_sites = size(faces)
-        allocate (position%facing(n_sites))
-        position%deviation = bodies(1)%deviations + bodies(2)%deviations
-        position%flank_length = curve_length(bodies(1)%flanks(1)%curve)
-        sides = 1
-        if (allocated(meshes(1)%sides)) sides = meshes(1)%sides
+        last = first + mesh%n_sites - 1
+        sides = sides_of(mesh)
         n_working = count(sides > 0)
-        faces(:n_working) = sites_that_face(bodies, angles(1), 1, n_working)
-        if (n_working < n_sites) then
-            faces(n_working + 1:) = sites_that_face(bodies, -angles(1), n_working + 1, &
-                & n_sites)
-        end if
         bounds = huge(1.0_wp)
-        do site = 1, n_sites
+        associate (one => bodies(mesh%bodies(1)), two => bodies(mesh%bodies(2)), &
+            & from_1 => mesh%offset(1), from_2 => mesh%offset(2))
+            position%deviation(first:last) = one%deviations(from_1 + 1:from_1 + mesh%n_sites) &
+                & + two%deviations(from_2 + 1:from_2 + mesh%n_sites)
+            faces(first:first + n_working - 1) = sites_that_face(one%flanks(1), angles(1), &
+                & one%site_angles(from_1 + 1:from_1 + n_working), &
+                & two%site_angles(from_2 + 1:from_2 + n_working))
+            faces(first + n_working:last) = sites_that_face(one%flanks(1), -angles(1), &
+                & one%site_angles(from_1 + n_working + 1:from_1 + mesh%n_sites), &
+                & two%site_angles(from_2 + n_working + 1:from_2 + mesh%n_sites))
+        end associate
+        do k = 1, mesh%n_sites
+            site = first + k - 1
+            sites = mesh%offset + k
             associate (facing => position%facing(site))
-                facing%flank_1 => bodies(1)%flanks(section_at(bodies(1), site))
-                facing%flank_2 => bodies(2)%flanks(section_at(bodies(2), site))
-                facing%frame_1 = new_frame(meshes(1)%axes(:, 1), &
-                    & sides(site)*angles(1) + bodies(1)%site_angles(site))
-                facing%frame_2 = new_frame(meshes(1)%axes(:, 2), &
-                    & sides(site)*angles(2) + bodies(2)%site_angles(site))
+                facing%flank_1 => bodies(mesh%bodies(1))%flanks(section_at(bodies(mesh%bodies(1)), &
+                    & sites(1)))
+                facing%flank_2 => bodies(mesh%bodies(2))%flanks(section_at(bodies(mesh%bodies(2)), &
+                    & sites(2)))
+                facing%frame_1 = new_frame(mesh%axes(:, 1), &
+                    & sides(k)*angles(1) + bodies(mesh%bodies(1))%site_angles(sites(1)))
+                facing%frame_2 = new_frame(mesh%axes(:, 2), &
+                    & sides(k)*angles(2) + bodies(mesh%bodies(2))%site_angles(sites(2)))
             end associate
             if (everywhere .or. .not. faces(site)) cycle
-            if (is_same_section(bodies, meshes, site)) then
-                bounds(site) = bounds(max(1, site - 1))
+            if (is_same_section(bodies, mesh, k)) then
+                bounds(k) = bounds(max(1, k - 1))
             else
-                bounds(site) = coarse_gap(position%facing(site))
+                bounds(k) = coarse_gap(position%facing(site))
             end if
         end do
         if (everywhere) return
         ! flanks of all slices have the same radii
-        associate (flank => bodies(1)%flanks(1))
+        associate (flank => position%facing(first)%flank_1, faces => faces(first:last), &
+            & deviation => position%deviation(first:last))
+            length = curve_length(flank%curve)
             radius = [flank%radius(flank%first_rising), maxval(flank%radius)]
+            bounds = bounds - max(0.0_wp, deviation)/(least_lever*radius(1)) &
+                & - min(0.0_wp, deviation)/radius(2)
+            faces = faces .and. bounds <= minval(bounds) + search_margin*length/radius(2)
+            position%unseen = min(position%unseen, minval(bounds, mask=.not. faces))
         end associate
-        bounds = bounds - max(0.0_wp, position%deviation)/(least_lever*radius(1)) &
-            & - min(0.0_wp, position%deviation)/radius(2)
-        faces = faces .and. bounds <= minval(bounds) + search_margin*position%flank_length/radius(2)
-        position%unseen = minval(bounds, mask=.not. faces)
     end subroutine place_flanks
 
-    !> Find the points of least gap of the sites, including those at cut ends.
-    pure subroutine search_sites(bodies, meshes, faces, torque, position, zones, error)
-        !> The bodies, and their meshes
+    !> Return the sides of the sites of a mesh.
+    pure function sides_of(mesh) result(sides)
+        !> The mesh
+        type(mesh_type), intent(in) :: mesh
+        !> 1 for working flanks, -1 for coast flanks, shape (sites)
+        integer :: sides(mesh%n_sites)
+
+        sides = 1
+        if (allocated(mesh%sides)) sides = mesh%sides
+    end function sides_of
+
+    !> Find the points of least gap of the sites of a mesh, including those at cut ends.
+    pure subroutine search_sites(bodies, mesh, faces, first, loads, position, found, error)
+        !> The bodies, and the mesh
         type(body_type), intent(in) :: bodies(:)
-        type(mesh_type), intent(in) :: meshes(:)
+        type(mesh_type), intent(in) :: mesh
         !> True for sites to be searched, shape (sites)
         logical, intent(in) :: faces(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> First site of the mesh
+        integer, intent(in) :: first
+        !> Loads of the motions
+        real(wp), intent(in) :: loads(:)
         !> Position with its frames; `conforms` is set
         type(position_type), intent(inout) :: position
-        !> The zones
-        type(zone_type), allocatable, intent(out) :: zones(:)
-        !> Set if a minimum of the gap could not be computed exactly, or if there are too many zones
+        !> Zones of the mesh
+        type(zone_type), allocatable, intent(out) :: found(:)
+        !> Set if a minimum of the gap could not be computed exactly, if there are too many zones,
+        !> or none
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: site, n_sites, n_zones, before
+        integer :: k, site, n_zones, before
         real(wp) :: closed_moment
-        integer, allocatable :: sides(:)
         logical :: lost, conforms
 
-        n_sites = size(faces)
-        allocate (zones(max(max_zones, max_zones_per_site*n_sites)))
-        n_zones = 0
-        before = 0
-        allocate (sides(n_sites), source=1)
-        if (allocated(meshes(1)%sides)) sides = meshes(1)%sides
-        closed_moment = closed_part*(bodies(1)%compliance%kernel + bodies(2)%compliance%kernel) &
-            & *torque/count(sides > 0)
-        if (allocated(meshes(1)%slices)) closed_moment = closed_moment/mean_width(meshes(1)%slices)
-        do site = 1, n_sites
-            if (.not. faces(site)) cycle
-            if (is_same_section(bodies, meshes, site) .and. faces(max(1, site - 1))) then
-                call repeat_zones(site, before, zones, n_zones)
-                cycle
-            end if
-            before = n_zones
-            call find_zones(position%facing(site), site, closed_moment, zones, n_zones, conforms, &
-                & lost)
-            position%conforms = position%conforms .or. conforms
-            if (lost) then
-                call fatal_error(error, code_circle_misses)
+        associate (sides => sides_of(mesh))
+            allocate (found(max(max_zones, max_zones_per_site*mesh%n_sites)))
+            n_zones = 0
+            before = 0
+            closed_moment = closed_part*sum(bodies(mesh%bodies)%compliance%kernel) &
+                & *moment_on_body_1(mesh, position%motions, loads)/count(sides > 0)
+            if (allocated(mesh%slices)) closed_moment = closed_moment/mean_width(mesh%slices)
+            do k = 1, mesh%n_sites
+                site = first + k - 1
+                if (.not. faces(site)) cycle
+                if (is_same_section(bodies, mesh, k) .and. faces(max(first, site - 1))) then
+                    call repeat_zones(site, before, found, n_zones)
+                    cycle
+                end if
+                before = n_zones
+                call find_zones(position%facing(site), site, closed_moment, found, n_zones, &
+                    & conforms, lost)
+                position%conforms = position%conforms .or. conforms
+                if (lost) then
+                    call fatal_error(error, code_circle_misses)
+                    return
+                end if
+            end do
+            if (n_zones > size(found)) then
+                call fatal_error(error, code_too_many_zones)
                 return
             end if
-        end do
-        if (n_zones > size(zones)) then
-            call fatal_error(error, code_too_many_zones)
-            return
-        end if
-        zones(:n_zones)%side = sides(zones(:n_zones)%site)
-        zones = zones(:n_zones)
+            found = found(:n_zones)
+            found%side = sides(found%site - first + 1)
+            if (.not. any(found%side > 0.0_wp)) then
+                call fatal_error(error, code_no_zone)
+            else if (.not. any(found%side > 0.0_wp .and. .not. found%left_out)) then
+                call fatal_error(error, code_only_ends)
+            end if
+            if (allocated(error)) return
+            do k = 1, n_zones
+                found(k)%body = mesh%bodies
+                found(k)%offset = mesh%offset + 1 - first
+                found(k)%flank_length = curve_length(position%facing(first)%flank_1%curve)
+            end do
+        end associate
     end subroutine search_sites
+
+    !> Return the moment on body 1 of a mesh if it is known [N mm], else 0.
+    pure function moment_on_body_1(mesh, motions, loads) result(moment)
+        !> The mesh
+        type(mesh_type), intent(in) :: mesh
+        !> The motions, and their loads
+        type(motion_type), intent(in) :: motions(:)
+        real(wp), intent(in) :: loads(:)
+        real(wp) :: moment
+
+        moment = sum(loads, mask=motions%body == mesh%bodies(1) .and. motions%kind == rotation)
+    end function moment_on_body_1
+
+    !> Set the rotations of body 1 that close the gaps of zones as a unit displacement of either
+    !> body does. At a sharp corner the gap has the normal of the other flank.
+    pure subroutine set_closing(facing, zones)
+        !> Flanks and their frames, shape (sites)
+        type(facing_type), intent(in) :: facing(:)
+        !> The zones
+        type(zone_type), intent(inout) :: zones(:)
+
+        integer :: z
+        real(wp) :: normals(2, 2)
+
+        do z = 1, size(zones)
+            associate (pair => zones(z)%nearest)
+                normals(:, 1) = [-pair%tangent_1(2), pair%tangent_1(1)]
+                normals(:, 2) = [pair%tangent_2(2), -pair%tangent_2(1)]
+                if (abs(zones(z)%corner) == 1) then
+                    normals(:, 1) = turned(normals(:, 2), -pair%gap_angle)
+                else if (abs(zones(z)%corner) == 2) then
+                    normals(:, 2) = turned(normals(:, 1), pair%gap_angle)
+                end if
+                zones(z)%closing = closing_of(pair, normals, facing(zones(z)%site))
+            end associate
+        end do
+    end subroutine set_closing
 
     !> Return the number of a body's flank at a site: the slices of a flank pair are consecutive
     !> sites.
@@ -260,20 +348,26 @@ contains
 
     !> Return whether a site is the next slice of the same flanks, and not rotated relative to the
     !> previous one.
-    pure function is_same_section(bodies, meshes, site) result(same)
-        !> The bodies, and their meshes
+    pure function is_same_section(bodies, mesh, site) result(same)
+        !> The bodies, and the mesh
         type(body_type), intent(in) :: bodies(:)
-        type(mesh_type), intent(in) :: meshes(:)
-        !> The site
+        type(mesh_type), intent(in) :: mesh
+        !> Number of the site in the mesh
         integer, intent(in) :: site
         logical :: same
 
+        integer :: b
+
         same = .false.
-        if (.not. allocated(meshes(1)%slices)) return
-        if (max(size(bodies(1)%flanks), size(bodies(2)%flanks)) > 1) return
-        if (slice_of(meshes(1)%slices, site) == 1) return
-        same = .not. (abs(bodies(1)%site_angles(site) - bodies(1)%site_angles(site - 1)) > 0.0_wp &
-            & .or. abs(bodies(2)%site_angles(site) - bodies(2)%site_angles(site - 1)) > 0.0_wp)
+        if (.not. allocated(mesh%slices)) return
+        if (slice_of(mesh%slices, site) == 1) return
+        do b = 1, 2
+            associate (body => bodies(mesh%bodies(b)), at => mesh%offset(b) + site)
+                if (size(body%flanks) > 1) return
+                if (abs(body%site_angles(at) - body%site_angles(at - 1)) > 0.0_wp) return
+            end associate
+        end do
+        same = .true.
     end function is_same_section
 
     !> Append copies of the zones of the previous site for a site with the same frames.
@@ -299,73 +393,128 @@ contains
 
     !> Compute the compliance between the zones of a plane position, and the weights of their
     !> levers.
-    pure subroutine couple_zones(body_1, body_2, position)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
+    pure subroutine couple_zones(bodies, meshes, position)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(inout) :: position
 
-        integer :: z, n
-        real(wp), allocatable :: smooth_1(:, :), smooth_2(:, :)
+        integer :: b, m, n, z
+        integer, allocatable :: at(:), of(:)
+        real(wp), allocatable :: s(:), own(:, :), alone(:, :), kernel(:, :)
 
         n = size(position%zones)
-        allocate (position%kernel(n), source=body_1%kernel + body_2%kernel)
+        allocate (position%kernel(n), position%coupling(n, n), alone(2, n), kernel(2, n), &
+            & source=0.0_wp)
         allocate (position%part(n), source=1.0_wp)
-        associate (found => position%zones)
-            smooth_1 = smooth_compliance(body_1, found%site, found%nearest%s_1)
-            smooth_2 = smooth_compliance(body_2, found%site, found%nearest%s_2)
-        end associate
-        position%coupling = smooth_1 + smooth_2
-        call add_far_fields(body_1, body_2, least_half_width(position%flank_length), &
-            & position%zones, position%coupling)
         allocate (position%images(2, n))
-        position%images(1, :) = new_image(body_1, position%zones%nearest%s_1, 1)
-        position%images(2, :) = new_image(body_2, position%zones%nearest%s_2, 2)
-        position%zones%lever_share = lever_share([(smooth_1(z, z), z=1, n)], &
-            & [(smooth_2(z, z), z=1, n)], spread(body_1%kernel, 1, n), &
-            & spread(body_2%kernel, 1, n), position%images, position%flank_length)
+        do b = 1, size(bodies)
+            associate (zones => position%zones, body => bodies(b)%compliance)
+                at = [(findloc(zones(z)%body, b, dim=1), z=1, n)]
+                of = pack([(z, z=1, n)], at > 0)
+                at = at(of)
+                s = place_on(zones(of), at)
+                own = smooth_compliance(body, [(zones(of(z))%site + zones(of(z))%offset(at(z)), &
+                    & z=1, size(of))], s)
+                do z = 1, size(of)
+                    alone(at(z), of(z)) = own(z, z)
+                    kernel(at(z), of(z)) = body%kernel
+                    position%images(at(z), of(z)) = new_image(body, s(z), at(z))
+                end do
+                position%coupling(of, of) = position%coupling(of, of) + own
+                if (allocated(bodies(b)%support)) call add_support(bodies(b)%support, &
+                    & wrenches_at(meshes, zones(of), at), of, position%coupling)
+            end associate
+        end do
+        position%kernel = kernel(1, :) + kernel(2, :)
+        call add_far_fields(bodies, position%zones, position%coupling)
+        do m = 1, size(meshes)
+            of = pack([(z, z=1, n)], position%zones%mesh == m)
+            position%zones(of)%lever_share = lever_share(alone(1, of), alone(2, of), &
+                & kernel(1, of), kernel(2, of), position%images(:, of), &
+                & position%zones(of(1))%flank_length)
+        end do
     end subroutine couple_zones
 
+    !> Return the arc length of the point of least gap on one of both flanks [mm].
+    elemental function place_on(zone, flank) result(s)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> 1 or 2
+        integer, intent(in) :: flank
+        real(wp) :: s
+
+        s = merge(zone%nearest%s_1, zone%nearest%s_2, flank == 1)
+    end function place_on
+
+    !> Return the unit forces on one body at zones, with their moments about its axis [mm], in the
+    !> direction in which its displacements close the gaps.
+    pure function wrenches_at(meshes, zones, at) result(wrenches)
+        !> The meshes, and the zones
+        type(mesh_type), intent(in) :: meshes(:)
+        type(zone_type), intent(in) :: zones(:)
+        !> 1 or 2: which of both bodies of the zone, shape (n)
+        integer, intent(in) :: at(:)
+        !> shape (3, n)
+        real(wp) :: wrenches(3, size(zones))
+
+        integer :: z
+        real(wp) :: fixed(3, 2)
+
+        do z = 1, size(zones)
+            fixed = in_fixed_frame(meshes(zones(z)%mesh), zones(z)%side, zones(z)%closing)
+            wrenches(:, z) = zones(z)%lever*fixed(:, at(z))
+        end do
+    end function wrenches_at
+
     !> Add the near fields of both bodies between different zones of the same flanks.
-    pure subroutine add_far_fields(body_1, body_2, width, zones, coupling)
-        !> Compliances of the bodies
-        type(compliance_type), intent(in) :: body_1
-        type(compliance_type), intent(in) :: body_2
-        !> Width of a contact [mm]
-        real(wp), intent(in) :: width
+    pure subroutine add_far_fields(bodies, zones, coupling)
+        !> The bodies
+        type(body_type), intent(in) :: bodies(:)
         !> The zones
         type(zone_type), intent(in) :: zones(:)
         !> Compliance between the zones [mm/N], shape (zones, zones)
         real(wp), intent(inout) :: coupling(:, :)
 
         integer :: i, j
+        real(wp) :: width
 
         do j = 1, size(zones)
+            width = least_half_width(zones(j)%flank_length)
             do i = 1, size(zones)
                 if (i == j .or. zones(i)%site /= zones(j)%site) cycle
                 coupling(i, j) = coupling(i, j) &
-                    & + near_field_between(body_1, zones(i)%nearest%s_1, zones(j)%nearest%s_1, &
-                    & width) + near_field_between(body_2, zones(i)%nearest%s_2, &
-                    & zones(j)%nearest%s_2, width)
+                    & + near_field_between(bodies(zones(j)%body(1))%compliance, &
+                    & zones(i)%nearest%s_1, zones(j)%nearest%s_1, width) &
+                    & + near_field_between(bodies(zones(j)%body(2))%compliance, &
+                    & zones(i)%nearest%s_2, zones(j)%nearest%s_2, width)
             end do
         end do
     end subroutine add_far_fields
 
-    !> Return the gap angles with all deviations and shifts [rad].
-    pure function gaps_without_load(bodies, deviation, zones) result(gap)
-        !> The bodies
+    !> Return the gap angles with all deviations, shifts and known displacements [rad].
+    pure function gaps_without_load(bodies, meshes, position, zones) result(gap)
+        !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
-        !> Deviations of the flanks of each site [mm], shape (sites)
-        real(wp), intent(in) :: deviation(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> Position with its deviations
+        type(position_type), intent(in) :: position
         !> Zones
         type(zone_type), intent(in) :: zones(:)
         real(wp) :: gap(size(zones))
 
+        integer :: z
+
         gap = zones%gap_angle &
-            & - deviation(zones%site)/zones%lever
-        if (has_shift(bodies(1)%compliance, bodies(2)%compliance)) gap = gap &
-            & - zone_shift(bodies(1)%compliance, bodies(2)%compliance, zones)/zones%lever
+            & - position%deviation(zones%site)/zones%lever
+        do z = 1, size(zones)
+            if (has_shift(bodies, zones(z))) gap(z) = gap(z) &
+                & - zone_shift(bodies, zones(z))/zones(z)%lever
+            if (allocated(position%displacements)) gap(z) = gap(z) &
+                & - closed_by_displacements(position%displacements, meshes(zones(z)%mesh), &
+                & zones(z)%side, zones(z)%closing)
+        end do
     end function gaps_without_load
 
     !> Return the weight of body 1 in the common lever of both bodies: its fraction of the normal
@@ -417,15 +566,15 @@ contains
     !>
     !> If the sites go around a body more than once, several sites name the same tooth: only the one
     !> within half a turn of either body is kept.
-    pure function sites_that_face(bodies, angle_1, first, last) result(faces)
-        !> The bodies
-        type(body_type), intent(in) :: bodies(:)
+    pure function sites_that_face(flank, angle_1, angles_1, angles_2) result(faces)
+        !> Flank of body 1
+        type(flank_type), intent(in) :: flank
         !> Rotation angle of body 1 [rad]
         real(wp), intent(in) :: angle_1
-        !> First and last site of the same side
-        integer, intent(in) :: first
-        integer, intent(in) :: last
-        logical :: faces(last - first + 1)
+        !> Angles of the flanks of both bodies [rad], those of one side, shape (sites)
+        real(wp), intent(in) :: angles_1(:)
+        real(wp), intent(in) :: angles_2(:)
+        logical :: faces(size(angles_1))
 
         real(wp), parameter :: half_turn = acos(-1.0_wp)
         real(wp) :: turn_1, turn_2, span_1, span_2, widest, polar, meshing
@@ -434,8 +583,8 @@ contains
         n = size(faces)
         faces = .true.
         if (n < 2) return
-        turn_1 = bodies(1)%site_angles(last) - bodies(1)%site_angles(first)
-        turn_2 = bodies(2)%site_angles(last) - bodies(2)%site_angles(first)
+        turn_1 = angles_1(n) - angles_1(1)
+        turn_2 = angles_2(n) - angles_2(1)
         span_1 = abs(turn_1)
         span_2 = abs(turn_2)
         widest = max(span_1, span_2)
@@ -443,13 +592,12 @@ contains
         if (widest*(n - 0.5_wp)/(n - 1) < 2.0_wp*half_turn) return
         ! flanks meet between both axes, or beyond O1 if both bodies rotate in the same direction
         meshing = merge(half_turn, 0.0_wp, turn_1*turn_2 > 0.0_wp)
-        associate (point => bodies(1)%flanks(1)%point(:, size(bodies(1)%flanks(1)%s)/2))
+        associate (point => flank%point(:, size(flank%s)/2))
             ! a flank is near its own axis or near the mesh: the branch cut is far from both
             polar = modulo(atan2(point(2), point(1)) + 0.5_wp*half_turn, 2.0_wp*half_turn) &
                 & - 0.5_wp*half_turn
         end associate
-        faces = abs(polar - meshing + angle_1 + bodies(1)%site_angles(first:last)) &
-            & <= half_turn*span_1/widest
+        faces = abs(polar - meshing + angle_1 + angles_1) <= half_turn*span_1/widest
     end function sites_that_face
 
 end module flankload_position_zones

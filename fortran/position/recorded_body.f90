@@ -7,12 +7,13 @@ module flankload_recorded_body
     use flankload_friction, only: new_friction
     use flankload_compliance_field, only: compliance_type
     use flankload_mesh, only: body_type, grid_settings, height_type, mesh_type
-    use flankload_body_record, only: are_valid, body_mark, counts_in, height_values, is_record, &
-        & last_part, mesh_mark, part_along, part_axial, part_block, part_breaks, &
+    use flankload_body_record, only: are_valid, body_mark, counts_in, counts_type, height_values, &
+        & is_record, last_part, mesh_mark, part_along, part_axial, part_block, part_breaks, &
         & part_coefficients, part_corners, part_deviations, part_friction, part_height, part_jump, &
-        & part_kernel, part_mesh, part_mode_range, part_nodes, part_sections, part_shaft, &
-        & part_shift, part_sides, part_site_angles, part_slices, part_smooth, part_tangential, &
-        & part_tip, part_turned, part_wedge, part_wedge_along, place_in, shape_in
+        & part_kernel, part_members, part_mesh, part_mode_range, part_nodes, part_sections, &
+        & part_shaft, part_shift, part_sides, part_site_angles, part_slices, part_smooth, &
+        & part_support, part_tangential, part_tip, part_turned, part_wedge, part_wedge_along, &
+        & place_in, shape_in
     implicit none
     private
 
@@ -52,6 +53,7 @@ contains
             body%shaft%compliance = reshape(shaft(:36), [6, 6])
             body%shaft%z = shaft(37)
         end if
+        call take(record, part_support, body%support)
         call read_compliance(record, body%compliance)
         body%compliance%closed = body%flanks(1)%curve%closed
         ! tables between nodes already include images behind free corners
@@ -67,8 +69,8 @@ contains
         !> False if the array is not a record, or a value in it is invalid
         logical, intent(out) :: valid
 
-        integer :: n
-        real(wp) :: values(10)
+        real(wp) :: values(10), members(6)
+        type(counts_type) :: n
         real(wp), allocatable :: sides(:), friction(:, :), edges(:), height(:)
 
         valid = is_record(mesh_mark, record)
@@ -79,6 +81,14 @@ contains
         mesh%twist = values(5)
         mesh%grid = grid_settings(nint(values(9)), values(6), values(7), values(8), &
             & nint(values(10)))
+        n = counts_in(record)
+        mesh%n_sites = n%sites
+        members = [1.0_wp, 2.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
+        call take_few(record, part_members, members)
+        mesh%bodies = nint(members(:2))
+        mesh%offset = nint(members(3:4))
+        mesh%direction = [cos(members(5)), sin(members(5))]
+        mesh%sense = members(6)
         call take(record, part_sides, sides)
         if (allocated(sides)) mesh%sides = nint(sides)
         call take(record, part_friction, friction)
@@ -92,10 +102,10 @@ contains
         if (.not. allocated(height)) return
         ! conforming flanks are in slices
         valid = allocated(mesh%slices)
-        n = nint(sqrt(real(size(height) - height_values, wp)))
         mesh%height = height_type(s=height(:2), length=height(3), normal=height(4:5), &
             & turn=height(6), tilt=height(7:8), z_middle=height(9), &
-            & compliance=reshape(height(height_values + 1:), [n, n]))
+            & compliance=reshape(height(height_values + 1:), &
+            & [mesh%n_sites, mesh%n_sites]))
     end subroutine read_mesh
 
     !> Read the flank of a body, or its flanks in all slices.

@@ -4,7 +4,7 @@ module flankload_recorded_sweep
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_input, site_off_corners
-    use flankload_mesh, only: body_type, mesh_type
+    use flankload_mesh, only: body_type, configuration_type, mesh_type, turn_of_body_1
     use flankload_body_record, only: body_mark, counts_in, counts_type, is_record, mesh_mark, &
         & mesh_parts, part_axial, part_mesh, place_in, record_length, start_record, write_part
     use flankload_known_contact, only: known_contacts
@@ -15,7 +15,7 @@ module flankload_recorded_sweep
     implicit none
     private
 
-    public :: has_mesh_parts, sweep_records, sweep_two, unpack_sweep
+    public :: check_bodies, has_mesh_parts, sweep_records, sweep_two, unpack_sweep
 
 contains
 
@@ -40,8 +40,9 @@ contains
         !> results
         integer, intent(out) :: info
 
-        integer :: n_speeds, n_columns
+        integer :: k, n_speeds, n_columns
         logical :: valid(3)
+        type(configuration_type) :: configurations(size(motion, 2))
         type(counts_type) :: n
         type(body_type) :: bodies(2)
         type(mesh_type) :: meshes(1)
@@ -58,7 +59,15 @@ contains
         n = counts_in(mesh)
         if (n%sites /= n_sites) info = -7
         if (has_mesh_parts(record_2)) info = -11
-        call check_bodies(bodies, meshes(1), n_sites, info)
+        if (any(meshes(1)%bodies /= [1, 2])) then
+            info = -7
+            return
+        end if
+        meshes(1)%n_sites = n_sites
+        call check_bodies(bodies, meshes(1), info)
+        do k = 1, 2
+            if (size(bodies(k)%site_angles) /= n_sites) info = -3
+        end do
         n_speeds = merge(size(motion, 2), 0, allocated(meshes(1)%friction))
         if (.not. all(ieee_is_finite(motion(3:, :n_speeds)))) info = -4
         n_columns = merge(pair_columns_with_friction, pair_columns, n_speeds > 0)
@@ -67,8 +76,12 @@ contains
         if (any(known%n_pairs > 0 .and. (known%first_pair < 1 &
             & .or. known%first_pair > size(known%touches) - known%n_pairs + 1))) info = -20
         if (info < 0) return
-        call sweep_positions(bodies, meshes, motion(:2, :), motion(3:, :n_speeds), torques, &
-            & control, pair_site, pair_table, found, known)
+        do k = 1, size(motion, 2)
+            configurations(k)%angles = motion(:2, k:k)
+            if (n_speeds > 0) configurations(k)%speeds = motion(3:, k)
+        end do
+        call sweep_positions(bodies, meshes, turn_of_body_1, configurations, &
+            & reshape(torques, [1, size(torques)]), control, pair_site, pair_table, found, known)
         info = count(found%status < 0)
     end subroutine sweep_records
 
@@ -153,13 +166,11 @@ contains
         end do
     end function has_mesh_parts
 
-    !> Check that two bodies match.
-    pure subroutine check_bodies(bodies, mesh, n_sites, info)
-        !> The bodies and their mesh
-        type(body_type), intent(in) :: bodies(2)
+    !> Check that the bodies of a mesh match.
+    pure subroutine check_bodies(bodies, mesh, info)
+        !> The bodies and the mesh
+        type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: mesh
-        !> Number of sites
-        integer, intent(in) :: n_sites
         !> -i if argument i of flankload_sweep_mesh is invalid; otherwise unchanged
         integer, intent(inout) :: info
 
@@ -170,15 +181,16 @@ contains
         n_sections = 1
         if (allocated(mesh%slices)) n_sections = size(mesh%slices%edges) - 1
         do z = 1, 2
-            associate (own => bodies(z)%compliance, other => bodies(3 - z)%compliance)
-                if (size(bodies(z)%site_angles) /= n_sites) info = -3
+            associate (body => bodies(mesh%bodies(z)), own => bodies(mesh%bodies(z))%compliance, &
+                & other => bodies(mesh%bodies(3 - z))%compliance)
+                if (size(body%site_angles) < mesh%offset(z) + mesh%n_sites) info = -3
                 ! the modes of both bodies extend over all slices
                 if (allocated(mesh%slices)) then
                     if (.not. holds_slices(mesh%slices, own)) info = -record(z)
                 else if (own%n_axial > 1) then
                     info = -record(1)
                 end if
-                if (all(size(bodies(z)%flanks) /= [1, n_sections])) info = -record(z)
+                if (all(size(body%flanks) /= [1, n_sections])) info = -record(z)
                 ! nodes of one body require nodes of the other, unless that is rigid
                 if (allocated(own%nodes) .and. .not. allocated(other%nodes) &
                     & .and. other%kernel > 0.0_wp) info = -record(3 - z)
@@ -218,8 +230,8 @@ contains
             return
         end if
         status = found%status
-        rotation = found%rotation
-        tangent = found%tangent
+        rotation = found%motion(1, :, :)
+        tangent = found%tangent(1, 1, :, :)
         certificate = found%certificate
         counters(:n_counters, :, :) = found%counters
         counters(n_counters + 1, :, :) = found%n_pairs

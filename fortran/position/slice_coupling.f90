@@ -95,7 +95,11 @@ contains
             one = log(2.0_wp*zones%length) - 1.0_wp
             zones%lever_share = lever_share([(smooth_1(z, z) + kernel_1(z)*one(z), z=1, n)], &
                 & [(smooth_2(z, z) + kernel_2(z)*one(z), z=1, n)], kernel_1, kernel_2, &
-                & position%images, position%flank_length)
+                & position%images, zones(1)%flank_length)
+        end associate
+        associate (edges => meshes(1)%slices%edges)
+            position%part = width_of(meshes(1)%slices, position%zones%site) &
+                & /(edges(size(edges)) - edges(1))
         end associate
         position%kernel = kernel_1 + kernel_2
         position%smooth = smooth_1 + smooth_2
@@ -128,7 +132,7 @@ contains
         one = 1.0_wp
         associate (zones => position%zones, slices => meshes(1)%slices)
             position%tangential = -tangential_field(bodies(1)%compliance, bodies(2)%compliance, &
-                & segments_of(slices, zones), 0.5_wp*usual_half_width*position%flank_length) &
+                & segments_of(slices, zones), 0.5_wp*usual_half_width*zones(1)%flank_length) &
                 & - sliced_tangential(bodies(1)%compliance, slices, zones%site, zones%nearest%s_1) &
                 & - sliced_tangential(bodies(2)%compliance, slices, zones%site, zones%nearest%s_2)
             at = directed_zones(slices, zones)
@@ -139,24 +143,22 @@ contains
         end associate
     end subroutine couple_sliding
 
-    !> Set the quantities that depend on the torque by the width of the contacts, as if one flank
-    !> carried all of it, evenly over its length.
-    pure subroutine load_slices(bodies, meshes, torque, position)
+    !> Set the quantities that depend on the loads by the width of the contacts, as if one flank
+    !> carried all of them, evenly over its length.
+    pure subroutine load_slices(bodies, meshes, full, position)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
-        !> Torque on body 1 [N mm]
-        real(wp), intent(in) :: torque
+        !> Force with which each zone would carry the loads alone [N], shape (zones)
+        real(wp), intent(in) :: full(:)
         !> The position
         type(position_type), intent(inout) :: position
 
         integer :: z
 
-        associate (zones => position%zones, edges => meshes(1)%slices%edges)
-            position%part = width_of(meshes(1)%slices, zones%site)/(edges(size(edges)) - edges(1))
+        associate (zones => position%zones)
             z = minloc(position%gap, dim=1, mask=zones%side > 0.0_wp)
-            call spread_loads(bodies, meshes, half_width_of(position, z, position%part(z)*torque &
-                & /zones(z)%lever), position)
+            call spread_loads(bodies, meshes, half_width_of(position, z, full(z)), position)
         end associate
     end subroutine load_slices
 
@@ -193,9 +195,9 @@ contains
 
         associate (zone => position%zones(z))
             half_width = hertz_half_width(force, zone%curvature, position%kernel(z), &
-                & position%flank_length)
+                & zone%flank_length)
             if (zone%corner == 0 .or. zone%curvature > 0.0_wp .or. .not. force > 0.0_wp) return
-            reach = usual_half_width*position%flank_length
+            reach = usual_half_width*zone%flank_length
             call reach_of(position%facing(zone%site), zone, position%kernel(z)*force, reach, slope)
             half_width = 0.5_wp*sum(reach)
         end associate
@@ -218,7 +220,7 @@ contains
         integer :: z
 
         ! flanks may be pressed against each other without torque
-        position%most_half_width = max(half_width, least_half_width(position%flank_length))
+        position%most_half_width = max(half_width, least_half_width(position%zones(1)%flank_length))
         associate (zones => position%zones, slices => meshes(1)%slices, &
             & beside => 0.5_wp*position%most_half_width)
             position%widest = min(0.5_wp*(zones%s_1_high - zones%s_1_low), half_width)

@@ -50,7 +50,7 @@ contains
         real(wp), allocatable :: rows(:), displacement(:), sizes(:), whole_motion(:)
         real(wp), allocatable :: residual(:), load_sizes(:)
         real(wp) :: largest
-        logical, allocatable :: active(:)
+        logical, allocatable :: active(:), loose(:)
         logical :: degenerate
 
         if (debugging) then
@@ -77,11 +77,14 @@ contains
             & tiny(1.0_wp))
         result%backward_error = max(maxval(abs(residual)/load_sizes), &
             & maxval(max(-forces, 0.0_wp))/largest)
-        result%margin = minval(forces/largest, mask=active)
-        call check_rows(problem, compliance, forces, whole_motion, pairs, rows, sizes, result)
-        degenerate = any(active .and. abs(forces) <= row_tolerance*largest)
+        call find_free_motions(problem, abs(forces) > row_tolerance*largest, &
+            & rows <= row_tolerance*sizes, result%free, loose)
+        result%margin = minval(forces/largest, mask=active .and. .not. loose)
+        call check_rows(problem, compliance, forces, whole_motion, loose, rows, sizes, result)
+        degenerate = any(active .and. .not. loose .and. abs(forces) <= row_tolerance*largest)
         if (size(pairs) > 0) then
-            degenerate = degenerate .or. any(.not. active .and. rows <= row_tolerance*sizes)
+            degenerate = degenerate &
+                & .or. any(.not. active .and. .not. loose .and. rows <= row_tolerance*sizes)
         end if
         if (problem%definite) then
             result%unique = satisfies_energy_bound(problem, compliance, forces, displacement)
@@ -98,16 +101,43 @@ contains
         end if
     end subroutine certify
 
+    !> Find the motions on which no force works although others carry load, and that can move on
+    !> without closing a gap. The loop measures them from a pair that just touches, without force.
+    pure subroutine find_free_motions(problem, loaded, touches, free, loose)
+        !> Scaled contact problem
+        type(contact_problem), intent(in) :: problem
+        !> True for pairs that carry load, and for those without a gap, shape (n)
+        logical, intent(in) :: loaded(:)
+        logical, intent(in) :: touches(:)
+        !> True for these motions, shape (n_motions)
+        logical, allocatable, intent(out) :: free(:)
+        !> True for pairs without load that they move, shape (n)
+        logical, allocatable, intent(out) :: loose(:)
+
+        integer :: c
+
+        allocate (free(problem%n_motions), loose(problem%n), source=.false.)
+        do c = 1, problem%n_motions
+            associate (levers => problem%motions(:, c), rows => problem%load_rows(:, c))
+                free(c) = any(loaded) .and. .not. any(loaded .and. abs(levers) + abs(rows) > 0.0_wp)
+                if (.not. free(c)) cycle
+                free(c) = .not. (any(touches .and. levers > 0.0_wp) &
+                    & .and. any(touches .and. levers < 0.0_wp))
+                if (free(c)) loose = loose .or. (.not. loaded .and. abs(levers) > 0.0_wp)
+            end associate
+        end do
+    end subroutine find_free_motions
+
     !> Compute the backward error of all rows, and the margin of the open ones.
-    pure subroutine check_rows(problem, compliance, forces, motion, pairs, rows, sizes, result)
+    pure subroutine check_rows(problem, compliance, forces, motion, loose, rows, sizes, result)
         !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
         type(contact_problem), intent(in) :: problem
         real(wp), contiguous, intent(in) :: compliance(:, :)
         !> Scaled forces, shape (n), and scaled motion from zero, shape (n_motions)
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: motion(:)
-        !> Active pairs
-        integer, intent(in) :: pairs(:)
+        !> True for pairs whose gap is undetermined, shape (n)
+        logical, intent(in) :: loose(:)
         !> Gaps, and lower bounds of the row sizes, shape (n)
         real(wp), intent(in) :: rows(:)
         real(wp), intent(inout) :: sizes(:)
@@ -117,9 +147,11 @@ contains
 
         type(contact_problem), allocatable :: original
         integer :: i
+        integer, allocatable :: pairs(:)
         real(wp) :: wrong
         logical :: active
 
+        pairs = pack([(i, i=1, problem%n)], abs(forces) > 0.0_wp)
         do i = 1, problem%n
             active = abs(forces(i)) > 0.0_wp
             ! The exact row size is computed only if it matters: if K F cancels, it alone
@@ -138,7 +170,7 @@ contains
             end if
             wrong = merge(abs(rows(i)), max(-rows(i), 0.0_wp), active)
             result%backward_error = max(result%backward_error, wrong/sizes(i))
-            if (.not. active) result%margin = min(result%margin, rows(i)/sizes(i))
+            if (.not. (active .or. loose(i))) result%margin = min(result%margin, rows(i)/sizes(i))
         end do
         result%margin = max(0.0_wp, result%margin)
     end subroutine check_rows
@@ -169,8 +201,8 @@ contains
     !>
     !> Two solutions satisfy (F1 - F2)ᵀ W (g1 - g2) <= 0 for any positive row weights W. With W B =
     !> R the motions cancel, and the symmetric part of W K remains (diag(b) A without friction): if
-    !> it is positive definite, both solutions are equal. Such weights exist for one motion if every
-    !> R_i/B_i > 0, and for several motions if R = B. Both solutions balance the same loads, so that
+    !> it is positive definite, both solutions are equal. Such weights exist if the rows of R are
+    !> those of B times positive factors. Both solutions balance the same loads, so that
     !> Rᵀ (F1 - F2) = 0 and a positive definite W K + ρ R Rᵀ is sufficient: K of free bodies may be
     !> singular.
     !>
@@ -187,24 +219,14 @@ contains
         real(wp), intent(in), optional :: condition
         logical :: unique
 
-        integer :: i
         logical :: equal
         real(wp), allocatable :: weights(:)
 
-        allocate (weights(problem%n), source=1.0_wp)
         equal = problem%same_rows
-        unique = equal .or. problem%n_motions == 1
+        allocate (weights(problem%n), source=1.0_wp)
+        unique = .true.
+        if (.not. equal) call find_weights(problem, weights, unique)
         if (.not. unique) return
-        if (.not. equal) then
-            do i = 1, problem%n
-                if (problem%motions(i, 1)*problem%load_rows(i, 1) > 0.0_wp) then
-                    weights(i) = problem%load_rows(i, 1)/problem%motions(i, 1)
-                else if (abs(problem%motions(i, 1)) + abs(problem%load_rows(i, 1)) > 0.0_wp) then
-                    unique = .false.
-                    return
-                end if
-            end do
-        end if
         ! For the active pairs, the Cholesky factor of the loop is the proof.
         if (equal .and. problem%symmetric .and. problem%definite) return
         weights = weights(pairs)
@@ -217,6 +239,38 @@ contains
         if (unique) return
         unique = is_positive_definite(problem, compliance, pairs, weights, load_weight)
     end function is_unique
+
+    !> Find the weights W of the rows with W B = R.
+    pure subroutine find_weights(problem, weights, found)
+        !> Scaled contact problem
+        type(contact_problem), intent(in) :: problem
+        !> W, shape (n); 1 for rows without a lever
+        real(wp), intent(inout) :: weights(:)
+        !> False if there are none
+        logical, intent(out) :: found
+
+        !> Rounding of the entries of both rows
+        real(wp), parameter :: rounding = 8.0_wp*epsilon(1.0_wp)
+        integer :: i, c
+        real(wp) :: scales(problem%n_motions), levers(problem%n_motions), rows(problem%n_motions)
+
+        ! motions and loads are scaled by powers of two of their own
+        scales = problem%motion_scale/problem%load_row_scale
+        scales = scales/scales(1)
+        found = .true.
+        do i = 1, problem%n
+            levers = problem%motions(i, :)
+            rows = scales*problem%load_rows(i, :)
+            c = maxloc(abs(levers), dim=1)
+            if (levers(c)*rows(c) > 0.0_wp) then
+                weights(i) = rows(c)/levers(c)
+                found = all(abs(rows - weights(i)*levers) <= rounding*abs(rows))
+            else
+                found = .not. any(abs(levers) + abs(rows) > 0.0_wp)
+            end if
+            if (.not. found) return
+        end do
+    end subroutine find_weights
 
     !> Return the largest entry of X for weights W = w exp(2 X).
     !>

@@ -6,7 +6,7 @@ module flankload_contact_result
     private
 
     public :: contact_result
-    public :: blank, unpack_result
+    public :: blank, copy_motion, unpack_result
 
     !> Contact state and certificate, in the caller's units.
     type :: contact_result
@@ -17,6 +17,9 @@ module flankload_contact_result
         !> Motions [rad or mm], shape (n_motions); without a solution, the motion that shows the
         !> reason
         real(wp), allocatable :: motion(:)
+        !> True for motions on which no force works although others carry load, shape (n_motions):
+        !> the motion is then one of many
+        logical, allocatable :: free(:)
         !> Pairs with a force, ascending, from 1
         integer, allocatable :: active_pairs(:)
         !> Status: 0 solved, 1 ill-conditioned, 2 degenerate, 3 uniqueness not proven
@@ -62,6 +65,7 @@ contains
         nan = ieee_value(nan, ieee_quiet_nan)
         allocate (result%forces(n), result%gaps(n), result%motion(n_motions), source=nan)
         allocate (result%tangent(n_motions, n_motions), source=nan)
+        allocate (result%free(n_motions), source=.false.)
         allocate (result%active_pairs(0))
         result%condition = nan
         result%growth = nan
@@ -90,8 +94,7 @@ contains
 
         forces = result%forces
         gaps = result%gaps
-        motion = result%motion
-        tangent = result%tangent
+        call copy_motion(result%motion, result%tangent, result%free, motion, tangent)
         active = 0
         active(result%active_pairs) = 1
         counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
@@ -99,5 +102,29 @@ contains
         certificate = [result%condition, result%growth, result%backward_error, result%margin, &
             & result%largest_part]
     end subroutine unpack_result
+
+    !> Copy motions and their derivatives with respect to the loads; those of free motions are NaN.
+    pure subroutine copy_motion(found, found_tangent, free, motion, tangent)
+        !> Motions, shape (n_motions), and their derivatives, shape (n_motions, n_motions)
+        real(wp), intent(in) :: found(:)
+        real(wp), intent(in) :: found_tangent(:, :)
+        !> True for motions on which no force works, shape (n_motions)
+        logical, intent(in) :: free(:)
+        !> The copies
+        real(wp), intent(out) :: motion(:)
+        real(wp), intent(out) :: tangent(:, :)
+
+        integer :: c
+        real(wp) :: nan
+
+        nan = ieee_value(1.0_wp, ieee_quiet_nan)
+        motion = merge(nan, found, free)
+        tangent = found_tangent
+        do c = 1, size(free)
+            if (.not. free(c)) cycle
+            tangent(c, :) = nan
+            tangent(:, c) = nan
+        end do
+    end subroutine copy_motion
 
 end module flankload_contact_result

@@ -6,11 +6,11 @@
 program bench_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload, only: wp, body_type, contact_result, definite_matrix, error_type, &
-        & mesh_type, method_single, position_state, solve_contact_problem, solve_position, &
-        & symmetric_matrix
+        & configuration_type, mesh_type, method_single, position_state, solve_contact_problem, &
+        & solve_position, symmetric_matrix, turn_of_body_1
     use flankload_contact_pairs, only: pairs_type
     use flankload_pair_influence, only: pair_influences
-    use flankload_lumped_estimate, only: estimate_forces
+    use flankload_lumped_estimate, only: estimate_forces, full_forces
     use flankload_position_zones, only: locate_contacts, position_type
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
         & measure_reach, new_cells
@@ -129,6 +129,7 @@ contains
         !> Number of pairs, and of active pairs
         real(wp), intent(inout) :: pairs(2)
 
+        type(configuration_type) :: configuration
         type(position_type) :: position
         type(position_state) :: states(1)
         type(cells_type) :: cells
@@ -136,21 +137,24 @@ contains
         type(contact_result) :: state
         type(error_type), allocatable :: error
         real(wp), allocatable :: estimate(:), matrix(:, :)
-        real(wp) :: rotation, clock
+        real(wp) :: motion(1), clock
         integer :: pivots
         integer, allocatable :: expected(:), active(:)
 
         associate (bodies => case%bodies, meshes => case%meshes, torque => case%torque)
+            configuration%angles = reshape(angles, [2, 1])
             clock = seconds()
-            call locate_contacts(bodies, meshes, angles, torque, .true., position, error)
+            call locate_contacts(bodies, meshes, turn_of_body_1, configuration, [torque], .true., &
+                & position, error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_zones))
             allocate (estimate(size(position%zones)))
-            call estimate_forces(position, position%zones%curvature, torque, estimate, rotation, &
+            call estimate_forces(position, position%zones%curvature, [torque], estimate, motion, &
                 & states(1), error)
             if (allocated(error)) error stop 1
             call lap(clock, times(way_lumped))
-            cells = new_cells(position, torque, estimate, estimate > 0.0_wp, meshes(1)%grid)
+            cells = new_cells(position, full_forces(position, [torque]), estimate, &
+                & estimate > 0.0_wp, meshes(1)%grid)
             call measure_reach(position, cells)
             call lay_pairs(bodies, meshes, position, cells, laid, error)
             if (allocated(error)) error stop 1
@@ -161,7 +165,8 @@ contains
             expected = expected_pairs(laid, position%zones, cells)
             call solve(laid, matrix, torque, symmetric_matrix, expected, state, clock, &
                 & times(way_loop))
-            call solve_position(bodies, meshes, angles, [torque], states)
+            call solve_position(bodies, meshes, turn_of_body_1, configuration, &
+                & reshape([torque], [1, 1]), states)
             if (states(1)%status < 0) error stop 2
             call lap(clock, times(way_whole))
             call solve(laid, matrix, torque, symmetric_matrix, [integer ::], state, clock, &

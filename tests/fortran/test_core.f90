@@ -10,6 +10,7 @@ program test_core
     use flankload_contact_certificate, only: certify, is_unique
     use flankload_twice_precision, only: two_part, add_product, rounded
     use flankload_lumped_estimate, only: estimate_forces
+    use flankload_mesh, only: turn_of_body_1
     use flankload_position_state, only: position_state
     use flankload_position_zones, only: position_type
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, curve_point
@@ -794,7 +795,7 @@ contains
     subroutine test_estimate_of_one_place
         real(wp), parameter :: kernel = 1.0e-5_wp, force = 100.0_wp, lever = 2.0_wp
         real(wp), parameter :: half_width = 0.2_wp
-        real(wp) :: rotation, approach
+        real(wp) :: motion(1), approach
         real(wp) :: forces(1)
         type(position_type) :: position
         type(position_state) :: state
@@ -806,12 +807,15 @@ contains
         position%gap = [0.0_wp]
         position%widest = [1.0_wp]
         position%kernel = [kernel]
-        position%flank_length = 10.0_wp
-        call estimate_forces(position, [2.0_wp*force*kernel/half_width**2], lever*force, forces, &
-            & rotation, state, error)
+        position%zones%flank_length = 10.0_wp
+        position%motions = turn_of_body_1
+        position%rates = reshape([1.0_wp], [1, 1])
+        position%part = [1.0_wp]
+        call estimate_forces(position, [2.0_wp*force*kernel/half_width**2], [lever*force], forces, &
+            & motion, state, error)
         call expect(.not. allocated(error), 'one place is estimated')
         approach = kernel*force*(0.5_wp + log(2.0_wp/half_width))
-        call expect(abs(lever*rotation - approach) <= round_off*approach, 'the approach of Hertz')
+        call expect(abs(lever*motion(1) - approach) <= round_off*approach, 'the approach of Hertz')
     end subroutine test_estimate_of_one_place
 
     !> The curve (2 u, u³) turns to the left, away from the material: curvature -12 u/(4 + 9

@@ -1,13 +1,9 @@
 !> Tests of several meshes in one contact problem: a wheel with two pinions; a failed test stops the
 !> program with an error.
 program test_meshes
-    use flankload, only: body_type, contact_result, error_type, mesh_type, method_single, &
-        & new_flank, new_flank_curve, position_state, solve_contact_problem, solve_position, &
-        & symmetric_matrix, wp
-    use flankload_contact_pairs, only: pairs_type, reserve_pairs
-    use flankload_contact_zones, only: zone_type
-    use flankload_pair_influence, only: pair_influences
-    use flankload_position_zones, only: locate_contacts, position_type
+    use flankload, only: body_type, configuration_type, level_lumped, level_pairs, mesh_type, &
+        & motion_type, new_flank, new_flank_curve, position_state, rotation, solve_position, &
+        & turn_of_body_1, wp
     implicit none
 
     !> Tolerance of solutions
@@ -17,28 +13,42 @@ program test_meshes
     !> Compliance of the wheel between its teeth in both meshes: the value at their distance of a
     !> closed ring [mm/N]
     real(wp), parameter :: ring = 3.0e-7_wp
+    !> The pinions turn.
+    type(motion_type), parameter :: motions(2) = [motion_type(2, rotation, 1.0_wp), &
+        & motion_type(3, rotation, 1.0_wp)]
 
-    call test_meshes_apart
-    call test_meshes_together
+    integer :: level
+
+    do level = level_pairs, level_lumped
+        call test_meshes_apart
+        call test_meshes_together
+        call test_pinion_without_load
+    end do
     print '(a)', 'all passed'
 
 contains
 
     !> Without coupling through the wheel, each mesh has the state that it has alone.
     subroutine test_meshes_apart
-        integer :: n
+        integer :: k, first, last
         real(wp) :: loads(2)
-        type(position_state) :: alone(2)
-        type(contact_result) :: found
+        type(position_state) :: alone, both
 
         loads = torque*[1.0_wp, 0.4_wp]
-        call solve_meshes(loads, 0.0_wp, alone, found)
-        n = alone(1)%pairs%n
-        call expect(all(abs(found%motion/[alone(1)%rotation, alone(2)%rotation] - 1.0_wp) &
-            & <= solver), 'rotation of each pinion alone')
-        call expect(all(abs(found%forces(:n) - alone(1)%forces) <= solver &
-            & *maxval(alone(1)%forces)) .and. all(abs(found%forces(n + 1:) - alone(2)%forces) &
-            & <= solver*maxval(alone(2)%forces)), 'forces of each mesh alone')
+        both = state_of(loads, 0.0_wp)
+        call expect(both%status == 0, 'both meshes are certified')
+        last = 0
+        do k = 1, 2
+            alone = state_of_pair(loads(k))
+            first = last + 1
+            last = last + alone%pairs%n
+            call expect(abs(both%motion(k)/alone%motion(1) - 1.0_wp) <= solver, &
+                & 'rotation of each pinion alone')
+            call expect(abs(both%tangent(k, k)/alone%tangent(1, 1) - 1.0_wp) <= 1.0e2_wp*solver, &
+                & 'tangent of each pinion alone')
+            call expect(maxval(abs(both%forces(first:last) - alone%forces)) <= solver &
+                & *maxval(alone%forces), 'forces of each mesh alone')
+        end do
     end subroutine test_meshes_apart
 
     !> The wheel couples both meshes: symmetric loads have a symmetric state, both torques are
@@ -48,108 +58,98 @@ contains
         !> Levers differ by this part over a contact
         real(wp), parameter :: levers = 1.0e-3_wp
         integer :: k, n
-        real(wp) :: loads(2), force(2), further(2), lever
-        type(position_state) :: alone(2)
-        type(contact_result) :: found
+        real(wp) :: loads(2), moments(2), further(2)
+        type(position_state) :: alone, both
 
         do k = 1, 2
             loads = torque*[1.0_wp, merge(1.0_wp, 0.4_wp, k == 1)]
-            call solve_meshes(loads, ring, alone, found)
-            n = alone(1)%pairs%n
-            lever = alone(1)%pairs%lever(n/2)
-            force = [sum(found%forces(:n)), sum(found%forces(n + 1:))]
-            further = found%motion - [alone(1)%rotation, alone(2)%rotation]
-            call expect(abs(dot_product(alone(1)%pairs%torque_lever(:n), found%forces(:n)) &
-                & /loads(1) - 1.0_wp) <= solver .and. abs(dot_product( &
-                & alone(2)%pairs%torque_lever(:alone(2)%pairs%n), found%forces(n + 1:)) &
-                & /loads(2) - 1.0_wp) <= solver, 'balance of both torques')
-            call expect(all(abs(further*lever/(ring*force(2:1:-1)) - 1.0_wp) <= levers), &
-                & 'compliance of the ring between both meshes')
+            both = state_of(loads, ring)
+            call expect(both%status == 0, 'coupled meshes are certified')
+            n = count(both%pairs%site == 1)
+            moments = [sum(both%pairs%torque_lever(:n)*both%forces(:n)), &
+                & sum(both%pairs%torque_lever(n + 1:)*both%forces(n + 1:))]
+            call expect(all(abs(moments/loads - 1.0_wp) <= solver), 'balance of both torques')
+            alone = state_of_pair(loads(1))
+            further(1) = both%motion(1) - alone%motion(1)
+            alone = state_of_pair(loads(2))
+            further(2) = both%motion(2) - alone%motion(1)
+            call expect(all(abs(further*both%pairs%lever(n/2 + 1)/(ring*both%site_force(2:1:-1)) &
+                & - 1.0_wp) <= levers), 'compliance of the ring between both meshes')
             if (k == 2) cycle
-            call expect(maxval(abs(found%forces(:n) - found%forces(n + 1:))) &
-                & <= solver*maxval(found%forces), 'symmetric forces')
-            call expect(abs(found%motion(1)/found%motion(2) - 1.0_wp) <= solver, &
+            call expect(maxval(abs(both%forces(:n) - both%forces(n + 1:))) &
+                & <= solver*maxval(both%forces), 'symmetric forces')
+            call expect(abs(both%motion(1)/both%motion(2) - 1.0_wp) <= solver, &
                 & 'symmetric rotations')
         end do
     end subroutine test_meshes_together
 
-    !> Solve both meshes, each alone and then together.
-    subroutine solve_meshes(loads, coupling, alone, found)
+    !> A pinion without torque is free to turn: its rotation is undetermined, and the state is
+    !> certified all the same.
+    subroutine test_pinion_without_load
+        type(position_state) :: alone, both
+
+        both = state_of([torque, 0.0_wp], 0.0_wp)
+        alone = state_of_pair(torque)
+        call expect(both%status == 0 .and. all(both%free .eqv. [.false., .true.]), &
+            & 'only the pinion without load is free')
+        call expect(abs(both%motion(1)/alone%motion(1) - 1.0_wp) <= solver, &
+            & 'the free pinion has no effect on the other one')
+    end subroutine test_pinion_without_load
+
+    !> Return the state of the wheel with two pinions.
+    function state_of(loads, coupling) result(state)
         !> Torques on the pinions [N mm]
         real(wp), intent(in) :: loads(2)
         !> Compliance of the wheel between both meshes [mm/N]
         real(wp), intent(in) :: coupling
-        !> State of each mesh alone
-        type(position_state), intent(out) :: alone(2)
-        !> State of both
-        type(contact_result), intent(out) :: found
+        type(position_state) :: state
 
-        integer :: k, n
-        real(wp), allocatable :: matrix(:, :), motions(:, :), load_rows(:, :)
-        type(body_type) :: bodies(3), two(2)
-        type(mesh_type) :: meshes(1)
-        type(position_type) :: position
-        type(zone_type) :: zones(2)
-        type(pairs_type) :: pairs
-        type(error_type), allocatable :: error
+        type(body_type) :: bodies(3)
+        type(mesh_type) :: meshes(2)
+        type(configuration_type) :: configuration
+        type(position_state) :: states(1)
 
         ! the wheel, with a site in each mesh, and two pinions
         bodies(1) = roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 2, coupling)
         bodies(2) = roller([36.0_wp, -20.0_wp], 20.0_wp, 0.3_wp + acos(0.0_wp), 1, 0.0_wp)
         bodies(3) = bodies(2)
-        meshes(1)%axes(:, 2) = [90.0_wp, 0.0_wp]
-        two = [bodies(2), roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 1, 0.0_wp)]
-        do k = 1, 2
-            call solve_position(two, meshes, [0.0_wp, 0.0_wp], loads(k:k), alone(k:k))
-            call expect(alone(k)%status == 0, 'a mesh alone')
-            call locate_contacts(two, meshes, [0.0_wp, 0.0_wp], loads(k), .true., position, error)
-            zones(k) = position%zones(1)
-            ! body 1 of a mesh is the pinion; site 2 of the wheel is site 1 of the other pinion
-            zones(k)%body = [k + 1, 1]
-            zones(k)%offset = [1 - k, 0]
-        end do
-        pairs = joined(alone(1)%pairs, alone(2)%pairs)
-        n = alone(1)%pairs%n
-        allocate (matrix(pairs%n, pairs%n), motions(pairs%n, 2), load_rows(pairs%n, 2))
-        call pair_influences(bodies, meshes, zones, pairs, matrix)
-        call expect(maxval(abs(matrix(n + 1:, :n) - coupling)) <= solver*maxval(matrix), &
-            & 'K between both meshes')
-        motions = 0.0_wp
-        motions(:n, 1) = pairs%lever(:n)
-        motions(n + 1:, 2) = pairs%lever(n + 1:)
-        load_rows = 0.0_wp
-        load_rows(:n, 1) = pairs%torque_lever(:n)
-        load_rows(n + 1:, 2) = pairs%torque_lever(n + 1:)
-        call solve_contact_problem(matrix, pairs%lever*pairs%gap_angle, motions, load_rows, loads, &
-            & symmetric_matrix, method_single, [integer ::], found, error)
-        ! rows of the torques are not those of the motions: uniqueness is not proven for two of them
-        call expect(.not. allocated(error), 'both meshes')
-        call expect(found%backward_error <= solver, 'equations of both meshes')
-    end subroutine solve_meshes
+        meshes = mesh()
+        meshes(1)%bodies = [2, 1]
+        meshes(2)%bodies = [3, 1]
+        meshes(2)%offset = [0, 1]
+        meshes(2)%direction = [0.6_wp, 0.8_wp]
+        allocate (configuration%angles(2, 2), source=0.0_wp)
+        call solve_position(bodies, meshes, motions, configuration, reshape(loads, [2, 1]), states)
+        state = states(1)
+    end function state_of
 
-    !> Return the pairs of two meshes, the second of which has site and zone 2.
-    function joined(one, two) result(pairs)
-        !> Pairs of both meshes
-        type(pairs_type), intent(in) :: one
-        type(pairs_type), intent(in) :: two
-        type(pairs_type) :: pairs
+    !> Return the state of one pinion and the wheel alone.
+    function state_of_pair(load) result(state)
+        !> Torque on the pinion [N mm]
+        real(wp), intent(in) :: load
+        type(position_state) :: state
 
-        integer :: n
+        type(body_type) :: bodies(2)
+        type(configuration_type) :: configuration
+        type(position_state) :: states(1)
 
-        n = one%n
-        call reserve_pairs(pairs, n + two%n)
-        pairs%n = n + two%n
-        pairs%site(:n) = 1
-        pairs%site(n + 1:) = 2
-        pairs%zone = pairs%site
-        pairs%s_1 = [one%s_1(:n), two%s_1(:two%n)]
-        pairs%s_2 = [one%s_2(:n), two%s_2(:two%n)]
-        pairs%cell_1 = [one%cell_1(:n), two%cell_1(:two%n)]
-        pairs%cell_2 = [one%cell_2(:n), two%cell_2(:two%n)]
-        pairs%lever = [one%lever(:n), two%lever(:two%n)]
-        pairs%torque_lever = [one%torque_lever(:n), two%torque_lever(:two%n)]
-        pairs%gap_angle = [one%gap_angle(:n), two%gap_angle(:two%n)]
-    end function joined
+        bodies(1) = roller([36.0_wp, -20.0_wp], 20.0_wp, 0.3_wp + acos(0.0_wp), 1, 0.0_wp)
+        bodies(2) = roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 1, 0.0_wp)
+        allocate (configuration%angles(2, 1), source=0.0_wp)
+        call solve_position(bodies, [mesh()], turn_of_body_1, configuration, &
+            & reshape([load], [1, 1]), states)
+        call expect(states(1)%status == 0, 'a mesh alone')
+        state = states(1)
+    end function state_of_pair
+
+    !> Return a mesh of one site.
+    function mesh() result(one)
+        type(mesh_type) :: one
+
+        one%n_sites = 1
+        one%axes(:, 2) = [90.0_wp, 0.0_wp]
+        one%grid%level = level
+    end function mesh
 
     !> Return an elastic roller on a lever: an arc of 0.6 rad, clockwise.
     function roller(center, radius, start, n_sites, coupling) result(body)

@@ -45,6 +45,8 @@ PARTS = (
     "shaft",
     "sections",
     "height",
+    "members",
+    "support",
 )
 #: Value of the core for a curve end that is a cut, where contact cannot begin.
 CUT_CORNER = 2
@@ -248,12 +250,25 @@ def _packed(
     """Record begun by a procedure of the core, and its parts."""
     name = pack.__name__
     needed = _checked(name, pack(*arguments, np.empty(0)))
-    record = np.empty(needed + sum(values.size for _, values in parts))
+    record = np.empty(needed)
     _checked(name, pack(*arguments, record))
+    return packed_parts(record, parts)
+
+
+def packed_parts(record: NDArray[np.float64], parts: list[Part]) -> NDArray[np.float64]:
+    """Record of a body or mesh with more parts, by their names in `PARTS`.
+
+    Raises
+    ------
+    InputError
+        If the core refuses a part.
+    """
+    longer = np.empty(record.size + sum(values.size for _, values in parts))
+    longer[: record.size] = record
     for name, values in parts:
-        info = _core.flankload_pack_part(PARTS.index(name) + 1, values, record)
+        info = _core.flankload_pack_part(PARTS.index(name) + 1, values, longer)
         _checked(f"flankload_pack_part ({name})", info)
-    return record
+    return longer
 
 
 def _checked(procedure: str, info: int) -> int:

@@ -50,6 +50,7 @@ class Status(IntEnum):
     FORCES_MOVE = -20
     ONLY_ENDS = -21
     NOT_IN_SLICES = -22
+    ONE_MESH_ONLY = -23
 
 
 class SiteCorner(IntEnum):
@@ -115,6 +116,7 @@ EXCEPTIONS: dict[int, type[ContactError]] = {
     Status.FORCES_MOVE: PivotLimit,
     Status.ONLY_ENDS: NoContactState,
     Status.NOT_IN_SLICES: InputError,
+    Status.ONE_MESH_ONLY: InputError,
 }
 
 #: Texts in terms of a scene that replace those of the core.

@@ -113,6 +113,8 @@ def test_a_record_holds_what_was_packed() -> None:
         "wedge_along": np.array([0.0, -0.5]),
         "sections": np.concatenate([CURVE.coefficients.ravel(), CURVE.coefficients.ravel()]),
         "height": np.array(HEIGHT),
+        "members": np.array([1.0, 2.0, 0.0, 0.0, 0.3, -1.0]),
+        "support": np.diag([1e-6, 2e-6, 0.0]).ravel(),
     }
     assert set(parts) == set(PARTS)
     record = record_of(*parts.items())

@@ -1,0 +1,198 @@
+!> Rows of the motions: how far a motion of a body closes the gap of a pair, expressed as the
+!> rotation of body 1 of its mesh.
+!>
+!> A pair has the row lever (epsilon - sum_c k_c q_c) in the gaps and torque_lever k_c in load c,
+!> with the gap angle epsilon and the rates k_c of the motions q_c: 1 for the rotation of body 1, so
+!> that the gap of a single mesh is exact for any rotation.
+module flankload_motion_rows
+    use flankload_kinds, only: wp
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_mesh, only: mesh_type, motion_type
+    implicit none
+    private
+
+    public :: closed_by_displacements, in_fixed_frame, pair_rates, rates_of, zone_rates
+    public :: displace_pairs, solve_motions
+
+contains
+
+    !> Return the rotation of body 1 that closes the gap as a unit displacement of either body along
+    !> x and y of the fixed frame does, and as a unit rotation about its own axis.
+    pure function in_fixed_frame(mesh, side, closing) result(fixed)
+        !> The mesh
+        type(mesh_type), intent(in) :: mesh
+        !> -1 if the values are those of the mirror image in the frame of the mesh, else 1
+        real(wp), intent(in) :: side
+        !> The same in the frame of the mesh, shape (3, bodies)
+        real(wp), intent(in) :: closing(3, 2)
+        real(wp) :: fixed(3, 2)
+
+        real(wp) :: y(2)
+
+        associate (along => mesh%direction, sense => mesh%sense*side)
+            y = sense*closing(2, :)
+            fixed(1, :) = along(1)*closing(1, :) - along(2)*y
+            fixed(2, :) = along(2)*closing(1, :) + along(1)*y
+            fixed(3, :) = sense*closing(3, :)
+        end associate
+    end function in_fixed_frame
+
+    !> Return the rates of the motions.
+    pure function rates_of(motions, mesh, side, closing) result(rates)
+        !> The motions, and the mesh
+        type(motion_type), intent(in) :: motions(:)
+        type(mesh_type), intent(in) :: mesh
+        !> As in in_fixed_frame
+        real(wp), intent(in) :: side
+        real(wp), intent(in) :: closing(3, 2)
+        !> shape (motions)
+        real(wp) :: rates(size(motions))
+
+        integer :: b, c
+        real(wp) :: fixed(3, 2)
+
+        fixed = in_fixed_frame(mesh, side, closing)
+        rates = 0.0_wp
+        do c = 1, size(motions)
+            do b = 1, 2
+                if (mesh%bodies(b) == motions(c)%body) rates(c) = motions(c)%sign &
+                    & *fixed(motions(c)%kind, b)
+            end do
+        end do
+    end function rates_of
+
+    !> Return the rates of the motions at zones.
+    pure function zone_rates(motions, meshes, zones) result(rates)
+        !> The motions, and the meshes
+        type(motion_type), intent(in) :: motions(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> The zones
+        type(zone_type), intent(in) :: zones(:)
+        !> shape (zones, motions)
+        real(wp) :: rates(size(zones), size(motions))
+
+        integer :: z
+
+        do z = 1, size(zones)
+            rates(z, :) = rates_of(motions, meshes(zones(z)%mesh), zones(z)%side, zones(z)%closing)
+        end do
+    end function zone_rates
+
+    !> Return the rates of the motions at pairs.
+    pure function pair_rates(motions, meshes, zones, pairs) result(rates)
+        !> The motions, and the meshes
+        type(motion_type), intent(in) :: motions(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> The zones of the position, and the pairs
+        type(zone_type), intent(in) :: zones(:)
+        type(pairs_type), intent(in) :: pairs
+        !> shape (pairs, motions)
+        real(wp) :: rates(pairs%n, size(motions))
+
+        integer :: i
+
+        do i = 1, pairs%n
+            rates(i, :) = rates_of(motions, meshes(zones(pairs%zone(i))%mesh), 1.0_wp, &
+                & pairs%closing(:, :, i))
+        end do
+    end function pair_rates
+
+    !> Return the rotation of body 1 of its mesh by which known displacements of all bodies close a
+    !> gap [rad].
+    pure function closed_by_displacements(displacements, mesh, side, closing) result(turn)
+        !> Displacements of the bodies along x and y [mm] and rotations [rad], shape (3, bodies)
+        real(wp), intent(in) :: displacements(:, :)
+        !> As in in_fixed_frame
+        type(mesh_type), intent(in) :: mesh
+        real(wp), intent(in) :: side
+        real(wp), intent(in) :: closing(3, 2)
+        real(wp) :: turn
+
+        turn = sum(in_fixed_frame(mesh, side, closing)*displacements(:, mesh%bodies))
+    end function closed_by_displacements
+
+    !> Subtract known displacements of the bodies from the gaps of pairs of one zone.
+    pure subroutine displace_pairs(displacements, mesh, side, first, pairs)
+        !> As in closed_by_displacements
+        real(wp), intent(in) :: displacements(:, :)
+        type(mesh_type), intent(in) :: mesh
+        real(wp), intent(in) :: side
+        !> Index of the first pair; the others follow
+        integer, intent(in) :: first
+        !> The pairs
+        type(pairs_type), intent(inout) :: pairs
+
+        integer :: i
+
+        do i = first, pairs%n
+            pairs%gap_angle(i) = pairs%gap_angle(i) &
+                & - closed_by_displacements(displacements, mesh, side, pairs%closing(:, :, i))
+        end do
+    end subroutine displace_pairs
+
+    !> Solve R^T (V q - w) = Q for the motions, with the solutions V of K V = B and w of K w = g.
+    pure subroutine solve_motions(rows, columns, loads, motion, tangent, solved)
+        !> R, shape (n, motions)
+        real(wp), intent(in) :: rows(:, :)
+        !> V and w, shape (n, motions + 1)
+        real(wp), intent(in) :: columns(:, :)
+        !> Q, shape (motions)
+        real(wp), intent(in) :: loads(:)
+        !> q, shape (motions), and its derivatives with respect to Q, shape (motions, motions)
+        real(wp), intent(out) :: motion(:)
+        real(wp), intent(out) :: tangent(:, :)
+        !> False if the pairs do not restrain all motions
+        logical, intent(out) :: solved
+
+        integer :: b, c, q
+        real(wp) :: matrix(size(loads), size(loads)), x(size(loads), size(loads) + 1)
+
+        q = size(loads)
+        do c = 1, q
+            do b = 1, q
+                matrix(b, c) = dot_product(rows(:, b), columns(:, c))
+            end do
+            x(c, 1) = loads(c) + dot_product(rows(:, c), columns(:, q + 1))
+            x(:, c + 1) = 0.0_wp
+            x(c, c + 1) = 1.0_wp
+        end do
+        call eliminate(matrix, x, solved)
+        motion = x(:, 1)
+        tangent = x(:, 2:)
+    end subroutine solve_motions
+
+    !> Solve a few equations by Gauss elimination with exchange of rows.
+    pure subroutine eliminate(matrix, x, solved)
+        !> Matrix, shape (q, q); changed
+        real(wp), intent(inout) :: matrix(:, :)
+        !> Right-hand sides, then solutions, shape (q, any)
+        real(wp), intent(inout) :: x(:, :)
+        !> False if the matrix is singular
+        logical, intent(out) :: solved
+
+        integer :: c, q, r, swap
+        real(wp) :: factor
+
+        q = size(matrix, 1)
+        do c = 1, q
+            swap = c - 1 + maxloc(abs(matrix(c:, c)), dim=1)
+            solved = abs(matrix(swap, c)) > 0.0_wp
+            if (.not. solved) return
+            matrix([c, swap], :) = matrix([swap, c], :)
+            x([c, swap], :) = x([swap, c], :)
+            do r = c + 1, q
+                factor = matrix(r, c)/matrix(c, c)
+                matrix(r, c:) = matrix(r, c:) - factor*matrix(c, c:)
+                x(r, :) = x(r, :) - factor*x(c, :)
+            end do
+        end do
+        do c = q, 1, -1
+            do r = c + 1, q
+                x(c, :) = x(c, :) - matrix(c, r)*x(r, :)
+            end do
+            x(c, :) = x(c, :)/matrix(c, c)
+        end do
+    end subroutine eliminate
+
+end module flankload_motion_rows
