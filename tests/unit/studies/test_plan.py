@@ -15,13 +15,14 @@ from msgspec import structs
 
 import flankload as fl
 from flankload.cli import main
-from flankload.mechanisms.effect_size import States, size_of
+from flankload.mechanisms.effect_size import Size, States, size_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.toggles import toggled
-from flankload.scene.effects import EFFECTS, effects_of
+from flankload.scene.effects import EFFECTS, effects_of, switches_of
 from flankload.scene.plane_section import plane_section
 from flankload.studies.coarse import coarse
 from flankload.studies.plan import Plan, choose_effects
+from flankload.studies.plan.coarse_runs import CoarseRuns
 from flankload.studies.plan.text import SIGNIFICANT_PART, against_threshold, threshold_text
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES
@@ -49,6 +50,10 @@ EXACT = (
 )
 
 
+#: Few positions, and few nodes with forces: these are a fifth of the half-width apart.
+FEW = {"positions__count": 4, "load__torque_Nm": 2000}
+
+
 def scene_of(**changes: Any) -> fl.Scene:
     return fl.Scene.from_dict(changed(**changes))
 
@@ -66,15 +71,27 @@ def plain_plan() -> Plan:
 
 
 @cache
-def planned(example: str) -> tuple[fl.Scene, Plan]:
-    """An example at few positions, with wide cells and without estimate; its plan, levels too."""
-    scene = fl.read_scene(SCENES / f"{example}.toml")
+def example_of(name: str) -> fl.Scene:
+    """An example at few positions, with wide cells and without estimate."""
+    scene = fl.read_scene(SCENES / f"{name}.toml")
     accuracy = structs.replace(scene.accuracy, estimate=False, tangents=False)
-    if "spline" in example:
+    if "spline" in name:
         accuracy = structs.replace(accuracy, strips_per_half_width=4)
     positions = structs.replace(scene.positions, count=min(6, scene.positions.count))
-    scene = replace(scene, accuracy=accuracy, positions=positions)
-    return scene, fl.plan(scene, levels=True)
+    return replace(scene, accuracy=accuracy, positions=positions)
+
+
+@cache
+def coarse_runs_of(example: str) -> CoarseRuns:
+    return CoarseRuns(example_of(example), levels=True)
+
+
+def predicted_size(example: str, name: str) -> Size:
+    """Size of an effect in the plan of an example with levels."""
+    found = coarse_runs_of(example).measured((name,))[name]
+    assert found.unknown is None
+    assert found.size is not None
+    return found.size
 
 
 @cache
@@ -150,15 +167,9 @@ def measured(scene: fl.Scene, name: str, *, on: bool) -> tuple[float, float, flo
     ],
 )
 def test_predicted_size_is_that_of_two_runs(example: str, name: str) -> None:
-    scene, plan = planned(example)
-    effect = plan.effect(name)
-    assert effect.size is not None
-    found = measured(scene, name, on=effect.on)
-    predicted = (
-        effect.size.rotation_mean,
-        effect.size.rotation_largest,
-        effect.size.load_share,
-    )
+    scene, size = example_of(example), predicted_size(example, name)
+    found = measured(scene, name, on=switches_of(scene)[name].on)
+    predicted = size.rotation_mean, size.rotation_largest, size.load_share
     np.testing.assert_allclose(predicted, found, rtol=FACTOR - 1, atol=COARSE)
 
 
@@ -168,18 +179,17 @@ def test_sizes_on_the_external_pair() -> None:
     Friction -1.0 %, 1.9 % at a position, 2.5 points; coupling between teeth 8 %; a segment of five
     teeth with held cuts -18 %.
     """
-    _, plan = planned("external_gear")
-    sizes = {effect.name: effect.size for effect in plan.effects if effect.size is not None}
-    size = sizes["friction"]
+    size = predicted_size("external_gear", "friction")
     found = (size.rotation_mean, size.rotation_largest, size.load_share)
     np.testing.assert_allclose(found, (-0.010, 0.019, 0.025), rtol=THIRD, atol=0)
-    means = (sizes["tooth_coupling"].rotation_mean, sizes["segment"].rotation_mean)
+    names = ("tooth_coupling", "segment")
+    means = [predicted_size("external_gear", name).rotation_mean for name in names]
     np.testing.assert_allclose(means, (0.08, -0.18), rtol=THIRD, atol=0)
 
 
 def test_coast_flanks_of_a_press_fit_have_a_size() -> None:
     """No scene has this fit without them: one whose flanks just touch turns as far."""
-    scene, plan = planned("spline_press_fit")
+    scene = example_of("spline_press_fit")
     touching = replace(
         scene,
         body_1=structs.replace(scene.body_1, profile_shift=0.0),
@@ -189,22 +199,20 @@ def test_coast_flanks_of_a_press_fit_have_a_size() -> None:
     both, one, preload = (
         float(solved(each).rotation_rad[0]) for each in (scene, touching, unloaded)
     )
-    row = plan.effect("coast_flanks")
-    assert row.unknown is None
-    assert row.size is not None
-    assert row.size.rotation_mean is not None
-    ratio = row.size.rotation_mean / ((both - one) / (both - preload))
+    size = predicted_size("spline_press_fit", "coast_flanks")
+    assert size.rotation_mean is not None
+    ratio = size.rotation_mean / ((both - one) / (both - preload))
     assert 1 / FACTOR < ratio < FACTOR
 
 
 def test_forces_at_nodes_have_the_size_of_two_runs() -> None:
     """Of the external pair at 8 positions, nodes 0.2 mm apart: 5.0 % at most, -1.2 % on average."""
-    scene, _ = planned("external_gear")
+    scene = example_of("external_gear")
     accuracy = structs.replace(scene.accuracy, flank_element_mm=0.2)
     effects = structs.replace(scene.effects, near_field="nodes")
     positions = structs.replace(scene.positions, count=8)
     nodal = replace(scene, accuracy=accuracy, effects=effects, positions=positions)
-    size = fl.plan(nodal).effect("nodal_near_field").size
+    size = CoarseRuns(nodal).measured(("nodal_near_field",))["nodal_near_field"].size
     assert size is not None
     assert size.rotation_mean is not None
     ratios = (size.rotation_largest or 0) / 0.0495, size.rotation_mean / -0.0119
@@ -212,9 +220,8 @@ def test_forces_at_nodes_have_the_size_of_two_runs() -> None:
 
 
 def test_nodes_that_are_on_are_as_far_off_as_those_that_would_be(plain_plan: Plan) -> None:
-    few = {"positions__count": 4}
-    off = plan_of(levels=True, **few).effect("nodal_near_field")
-    on = fl.plan(scene_of(effects__near_field="nodes", **few)).effect("nodal_near_field")
+    off = plan_of(levels=True, **FEW).effect("nodal_near_field")
+    on = fl.plan(scene_of(effects__near_field="nodes", **FEW)).effect("nodal_near_field")
     assert (off.on, on.on) == (False, True)
     assert on.size is not None
     assert off.size is not None
@@ -228,13 +235,13 @@ def test_nodes_that_are_on_are_as_far_off_as_those_that_would_be(plain_plan: Pla
 
 def test_finite_forces_are_small_and_dear() -> None:
     """Two runs of the internal pair: -0.0023 % and 0.0028 %; sweeps fifty times as long."""
-    plan = planned("internal_gear")[1]
+    plan = fl.plan(example_of("internal_gear"), levels=True)
     row = plan.effect("finite_influence")
     assert row.size is not None
     assert row.size.rotation_mean is not None
     assert -5e-5 < row.size.rotation_mean < 0
     assert row.extra_s is not None
-    assert row.extra_s > 10 * plan.predicted["stages"]["sweep"]["cpu_s"]
+    assert row.extra_s > 3 * plan.predicted["stages"]["sweep"]["cpu_s"]
 
 
 def test_present_and_absent_effects_have_one_size(plain_plan: Plan) -> None:
@@ -254,13 +261,13 @@ def test_present_and_absent_effects_have_one_size(plain_plan: Plan) -> None:
 
 
 def test_levels_that_are_off_are_tried_on_demand(plain_plan: Plan) -> None:
-    asked = plan_of(levels=True, positions__count=4)
+    asked = plan_of(levels=True, **FEW)
     for name in ("segment", "single_tooth", "lumped_contact", "coast_flanks"):
         row = plain_plan.effect(name)
         assert (row.size, row.extra_s, row.extra_bytes) == (None, None, None)
         assert asked.effect(name).size is not None
         assert asked.effect(name).extra_s is not None
-    on = fl.plan(scene_of(positions__count=4, effects__contact="lumped"))
+    on = fl.plan(scene_of(**FEW, effects__contact="lumped"))
     assert on.effect("lumped_contact").size is not None
 
 
@@ -520,7 +527,7 @@ def test_an_unknown_size_has_a_reason() -> None:
 
 def test_an_effect_that_the_scene_cannot_have_has_no_numbers() -> None:
     """Keys that a file of this scene would be refused for: nodes, friction and a speed on a cam."""
-    _, plan = planned("cam")
+    plan = fl.plan(example_of("cam"), levels=True)
     names = {effect.name: effect.possible for effect in plan.effects}
     assert [name for name, possible in names.items() if not possible] == [
         "nodal_near_field",
@@ -536,7 +543,8 @@ def test_an_effect_that_the_scene_cannot_have_has_no_numbers() -> None:
 
 def test_a_chain_has_a_plan_of_its_own() -> None:
     """Its largest displacement, beside two runs at the same positions."""
-    scene, plan = planned("chain")
+    scene = example_of("chain")
+    plan = fl.plan(scene)
     assert [effect.name for effect in plan.effects] == ["several_torques", "large_displacement"]
     size = plan.effect("large_displacement").size
     assert size is not None
@@ -744,7 +752,8 @@ def test_another_word_than_auto_is_refused() -> None:
 
 # --- the command ----------------------------------------------------------------------------------
 def test_command_prints_the_table(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["plan", str(SCENES / "external_gear_friction.toml"), "--levels"]) == 0
+    scene, more = str(SCENES / "external_gear_friction.toml"), ["--set", "load.torque_Nm=900"]
+    assert main(["plan", scene, "--levels", *more, "--set", "positions.count=4"]) == 0
     out = capsys.readouterr().out
     assert "+" in next(line for line in out.splitlines() if line.startswith("lumped"))
     assert "friction" in out
