@@ -277,8 +277,8 @@ contains
         table = 0.0_wp
         do k = 1, size(ends)
             ! Eq. (S2), averaged by Eqs. (C3), (C4)
-            call add_potentials(ends(k)%strength, first, one%cell, along_line(k, one%line, &
-                & other%line, ends), [one%line%length, other%line%length], table(from:))
+            call add_potentials(ends(k)%strength(one%line%side), first, one%cell, along_line(k, &
+                & one%line, other%line, ends), [one%line%length, other%line%length], table(from:))
         end do
         call add_by_difference(one, other, table, matrix)
     end subroutine add_even
@@ -308,8 +308,8 @@ contains
             if (size(table) > 1) step = (from_corner(corners(k), pairs, one%last) &
                 & + from_corner(corners(k), pairs, other%last) - first)/(size(table) - 1)
             ! Eq. (S2): images at R_w, averaged by Eqs. (C3), (C4)
-            call add_potentials(corners(k)%strength, first, step, along_line(1, one%line, &
-                & other%line, corners), [one%line%length, other%line%length], table)
+            call add_potentials(corners(k)%strength(one%line%side), first, step, along_line(1, &
+                & one%line, other%line, corners), [one%line%length, other%line%length], table)
             do j = other%first, other%last
                 associate (column => matrix(one%first:one%last, j), from => j - other%first)
                     column = column + table(from + 1:from + size(column))
@@ -339,14 +339,15 @@ contains
                 width = sqrt(pairs%cell_1(i)*pairs%cell_1(j))
                 added = 0.0_wp
                 do k = 1, size(ends)
-                    added = added + ends(k)%strength*cell_potential(across(one, pairs%s_1(i), &
-                        & other, pairs%s_1(j)), along_line(k, one%line, other%line, ends), width, &
-                        & one%line%length, other%line%length)
+                    added = added + ends(k)%strength(one%line%side)*cell_potential(across(one, &
+                        & pairs%s_1(i), other, pairs%s_1(j)), along_line(k, one%line, &
+                        & other%line, ends), width, one%line%length, other%line%length)
                 end do
                 do k = 1, size(corners)
-                    added = added + corners(k)%strength*cell_potential(from_corner(corners(k), &
-                        & pairs, i) + from_corner(corners(k), pairs, j), along_line(1, one%line, &
-                        & other%line, corners), width, one%line%length, other%line%length)
+                    added = added + corners(k)%strength(one%line%side)*cell_potential( &
+                        & from_corner(corners(k), pairs, i) + from_corner(corners(k), pairs, j), &
+                        & along_line(1, one%line, other%line, corners), width, one%line%length, &
+                        & other%line%length)
                 end do
                 matrix(i, j) = matrix(i, j) + added
             end do

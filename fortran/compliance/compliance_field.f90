@@ -73,8 +73,9 @@ module flankload_compliance_field
         !> Axial positions of the end faces of the body [mm], and its twist [rad/mm]
         real(wp) :: z_low = 0.0_wp, z_high = 0.0_wp
         real(wp) :: twist = 0.0_wp
-        !> Strengths psi of the mirror images behind both end faces; 0 if the body continues there
-        real(wp) :: end_strength(2) = 0.0_wp
+        !> Strengths psi of the mirror images behind both end faces, on working and on coast flanks;
+        !> 0 if the body continues there, shape (ends, sides)
+        real(wp) :: end_strength(2, 2) = 0.0_wp
     end type compliance_type
 
 contains

@@ -40,8 +40,8 @@ module flankload_slice_field
 
     !> Part of a contact line in a slice.
     type :: segment_type
-        !> Number of its flank pair
-        integer :: flank = 0
+        !> Number of its flank pair, and 1 for working flanks, 2 for coast flanks
+        integer :: flank = 0, side = 1
         !> Axial position of the middle of the slice [mm], and cosine of the helix angle of the
         !> contact line
         real(wp) :: z = 0.0_wp, cosine = 1.0_wp
@@ -55,8 +55,9 @@ module flankload_slice_field
 
     !> Mirror image of loads.
     type :: mirror_type
-        !> Strength: displacement times distance under a unit point force [mm²/N]
-        real(wp) :: strength = 0.0_wp
+        !> Strength on working flanks and on coast flanks: displacement times distance under a unit
+        !> point force [mm²/N]
+        real(wp) :: strength(2) = 0.0_wp
         !> Axial position of an end face or arc length of a corner [mm], body whose flank has that
         !> corner, and direction of arc length from the corner into the flank (1 or -1)
         real(wp) :: place = 0.0_wp
@@ -337,16 +338,17 @@ contains
 
         ! The displacement of a half-space under a point force is c0/2 divided by the distance.
         all(1)%strength = 0.5_wp*(body_1%kernel + body_2%kernel)
-        all(2:)%strength = 0.5_wp*[body_1%kernel*body_1%end_strength, &
-            & body_2%kernel*body_2%end_strength]
+        do k = 1, 2
+            all(1 + k)%strength = 0.5_wp*body_1%kernel*body_1%end_strength(k, :)
+            all(3 + k)%strength = 0.5_wp*body_2%kernel*body_2%end_strength(k, :)
+        end do
         all(2:)%place = [body_1%z_low, body_1%z_high, body_2%z_low, body_2%z_high]
         do k = 2, 3
             if (abs(all(k)%place - all(k + 2)%place) > 0.0_wp) cycle
             all(k)%strength = all(k)%strength + all(k + 2)%strength
             all(k + 2)%strength = 0.0_wp
         end do
-        counts = all%strength > 0.0_wp
-        counts(1) = .true.
+        counts = [.true., (any(all(k)%strength > 0.0_wp), k=2, size(all))]
         mirrors = pack(all, counts)
     end function end_mirrors
 
@@ -363,11 +365,12 @@ contains
 
         type(mirror_type) :: all(2)
 
-        all%strength = 0.5_wp*body%kernel*psi
+        all(1)%strength = 0.5_wp*body%kernel*psi(1)
+        all(2)%strength = 0.5_wp*body%kernel*psi(2)
         all%place = [body%s_low, body%s_high]
         all%sense = [1.0_wp, -1.0_wp]
         all%body = flank
-        mirrors = pack(all, abs(all%strength) > 0.0_wp)
+        mirrors = pack(all, abs(psi) > 0.0_wp .and. body%kernel > 0.0_wp)
     end function corner_mirrors
 
     !> Return the near field of both bodies under loads along the profile, as the displacement of
@@ -432,7 +435,7 @@ contains
         displacement = 0.0_wp
         do k = 1, size(ends)
             ! Eq. (S2), averaged by Eq. (S3)
-            displacement = displacement + ends(k)%strength*mean_potential( &
+            displacement = displacement + ends(k)%strength(one%side)*mean_potential( &
                 & along_line(k, one, other, ends), one%length, other%length, across)
         end do
         displacement = displacement + behind_corners(one, other, beside, corners)
@@ -486,7 +489,7 @@ contains
             associate (corner => corners(k))
                 across = max(0.0_wp, corner%sense*(one%s(corner%body) - corner%place)) &
                     & + max(0.0_wp, corner%sense*(other%s(corner%body) - corner%place))
-                displacement = displacement + corner%strength*mean_potential( &
+                displacement = displacement + corner%strength(one%side)*mean_potential( &
                     & along_line(1, one, other, corners), one%length, other%length, &
                     & sqrt(across**2 + beside**2))
             end associate

@@ -119,12 +119,13 @@ end subroutine flankload_pack_body
 !> | fl_part_friction    | (n_mu, 1 + n_sites), of the mesh: ascending arc lengths of flank 1      |
 !> |                     | [mm], then the friction coefficient of each site at these points,       |
 !> |                     | linear between them                                                     |
-!> | fl_part_axial       | (6), of both bodies of a pair in slices: number of Legendre polynomials |
+!> | fl_part_axial       | (6 or 8), of bodies of a pair in slices: number of Legendre polynomials |
 !> |                     | over the width by which each mode along the profile is multiplied (mode |
 !> |                     | a and polynomial b: mode (a - 1)*number + b); axial positions z of both |
 !> |                     | end faces [mm]; twist, the rotation of the sections with z [rad/mm];    |
 !> |                     | strengths psi of the images behind both end faces, 0 if the body        |
-!> |                     | continues there. The unit of the kernel is then mm²/N, and the smooth   |
+!> |                     | continues there, for coast flanks followed by their own, if these lean  |
+!> |                     | the other way. The unit of the kernel is then mm²/N, and the smooth     |
 !> |                     | part is that of the full body [mm/N]                                    |
 !> | fl_part_slices      | (n + 1), of the mesh: axial positions of the ends of n slices of the    |
 !> |                     | flanks [mm], ascending. Sites are the slices, those of a flank pair     |

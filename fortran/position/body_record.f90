@@ -116,11 +116,11 @@ contains
             extents(1) = n%sites
         case (part_friction)
             extents(:2) = [any_number, n%sites + 1]
-        case (part_axial, part_members)
+        case (part_members)
             extents(1) = 6
         case (part_support)
             extents(:2) = 3
-        case (part_slices, part_height)
+        case (part_axial, part_slices, part_height)
             extents(1) = any_number
         case (part_turned)
             extents(:2) = [n%modes, n%blocks]
@@ -202,10 +202,11 @@ contains
                 & .and. all(values(n_places + 1:) >= 0.0_wp)
         case (part_axial)
             ! modes over the width multiply those along the profile; psi of the ends is nonnegative
-            valid = values(1) >= 1.0_wp .and. values(1) <= n%modes
+            valid = any(size(values) == [6, 8])
+            if (valid) valid = values(1) >= 1.0_wp .and. values(1) <= n%modes
             if (valid) valid = mod(n%modes, nint(values(1))) == 0 &
                 & .and. .not. abs(values(1) - anint(values(1))) > 0.0_wp
-            valid = valid .and. values(2) < values(3) .and. all(values(5:6) >= 0.0_wp)
+            if (valid) valid = values(2) < values(3) .and. all(values(5:) >= 0.0_wp)
         case (part_slices)
             n_places = size(values) - 1
             valid = n_places >= 1 .and. all(values(2:) > values(:n_places))

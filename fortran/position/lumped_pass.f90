@@ -292,10 +292,10 @@ contains
         real(wp), allocatable :: factor(:, :), x(:, :), carried(:)
         real(wp) :: moved(size(loads)), tangent(size(loads), size(loads)), found(size(forces))
 
-        solved = .false.
         q = size(loads)
         on = pack([(k, k=1, size(forces))], forces > 0.0_wp)
         do
+            solved = .false.
             if (size(on) == 0) return
             factor = matrix(on, on)
             x = reshape([levers(on, :), gaps(on)], [size(on), q + 1])

@@ -146,8 +146,8 @@ contains
         !> The compliance
         type(compliance_type), intent(inout) :: compliance
 
-        real(wp) :: ends(2), tip(3), strength(1), axial(6)
-        real(wp), allocatable :: block(:, :)
+        real(wp) :: ends(2), tip(3), strength(1)
+        real(wp), allocatable :: axial(:), block(:, :)
 
         call take_few(record, part_mode_range, ends)
         compliance%s_low = ends(1)
@@ -172,13 +172,14 @@ contains
         call take(record, part_along, compliance%along)
         call take(record, part_shift, compliance%shift)
         call take(record, part_turned, compliance%turned)
-        axial = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
-        call take_few(record, part_axial, axial)
+        call take(record, part_axial, axial)
+        if (.not. allocated(axial)) return
         compliance%n_axial = nint(axial(1))
         compliance%z_low = axial(2)
         compliance%z_high = axial(3)
         compliance%twist = axial(4)
-        compliance%end_strength = axial(5:6)
+        compliance%end_strength(:, 1) = axial(5:6)
+        compliance%end_strength(:, 2) = axial(size(axial) - 1:)
     end subroutine read_compliance
 
     !> Return whether all values of a record are valid.

@@ -245,6 +245,7 @@ contains
         type(segment_type) :: segment
 
         segment%flank = flank_of(slices, zone%site)
+        segment%side = merge(1, 2, zone%side > 0.0_wp)
         segment%z = middle_of(slices, zone%site)
         segment%cosine = zone%cosine
         segment%length = zone%length

@@ -97,7 +97,7 @@ def soft(seed: int = 1, size: float = 1e-6) -> np.ndarray:
 
 def loads(pair: BodyPair, found: Sweep) -> ShaftLoads:
     assert pair.slices is not None
-    shafts = shaft_loads(pair, pair.slices, found.pairs)
+    shafts = shaft_loads(pair, pair.slices, found)
     assert shafts is not None
     return shafts
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.contact.flank_contact import FlankContact, Level
     from flankload.elasticity.compliance import BodyCompliance
@@ -105,7 +106,7 @@ def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
     if contact.friction is not None or contact.finite_steps > 0:
         parts += _tangential_parts(compliance, coast=pairing.coast is not None)
     if slices is not None:
-        parts += _slice_parts(body, compliance)
+        parts += _slice_parts(body, compliance, coast=pairing.coast is not None)
     if sections:
         flanks = [_powers_first(curve).ravel(order="F") for curve in sections]
         parts.append(("sections", np.concatenate(flanks)))
@@ -137,14 +138,9 @@ def _main_arguments(
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
     body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
-    angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
-    if pairing.coast is not None:
-        angles = np.concatenate([angles, pairing.coast.site_angles_rad[z]])
-        deviations = np.concatenate([deviations, np.zeros_like(deviations)])
+    angles, deviations = _at_sites(pairing, slices, z)
     block = compliance.blocks_of_sites(_teeth(pairing, z), pairing.sites.size, body.teeth)
     if slices is not None:
-        deviations = deviations[:, np.newaxis] + slices.tooth_deviations(pairing.sites, z)
-        angles, deviations = slices.site_angles(angles, z), slices.site_deviations(deviations, z)
         block = slices.site_blocks(block)
     corners = curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
@@ -160,6 +156,25 @@ def _main_arguments(
         np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),
         np.asfortranarray(block + 1, dtype=np.intc),
     )
+
+
+def _at_sites(pairing: Pairing, slices: Slices | None, z: int) -> tuple[Floats, Floats]:
+    """Angles (n,) and deviations (n,) of body z at the sites of the core, working flanks first.
+
+    Deviations of single teeth apply to working flanks only.
+    """
+    angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
+    if slices is not None:
+        deviations = deviations[:, np.newaxis] + slices.tooth_deviations(pairing.sites, z)
+        angles, deviations = slices.site_angles(angles, z), slices.site_deviations(deviations, z)
+    if pairing.coast is None:
+        return angles, deviations
+    of_coast = pairing.coast.site_angles_rad[z]
+    none = np.zeros_like(of_coast)
+    if slices is not None:
+        of_coast = slices.site_angles(of_coast, z, coast=True)
+        none = slices.site_deviations(none, z, coast=True)
+    return np.concatenate([angles, of_coast]), np.concatenate([deviations, none])
 
 
 def _sections(body: Body, slices: Slices | None, z: int) -> list[FlankCurve]:
@@ -198,7 +213,7 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
     ]
 
 
-def _slice_parts(body: Body, compliance: BodyCompliance) -> list[Part]:
+def _slice_parts(body: Body, compliance: BodyCompliance, *, coast: bool) -> list[Part]:
     """Parts of a three-dimensional body: axial modes, shaft."""
     parts: list[Part] = []
     shaft = None if body.axial is None else body.axial.shaft
@@ -208,7 +223,9 @@ def _slice_parts(body: Body, compliance: BodyCompliance) -> list[Part]:
     axial = compliance.modes.axial
     if axial is None:  # refused by the core
         return parts
-    numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end]
+    # where a working flank leans out of an end face, the coast flank leans inwards
+    of_coast = axial.end[::-1] if coast else ()
+    numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end, *of_coast]
     return [("axial", np.array(numbers, dtype=float)), *parts]
 
 
@@ -230,7 +247,8 @@ def _mesh_parts(pairing: Pairing, friction: Friction | None, slices: Slices | No
     """Parts of a mesh: sides of the sites, friction, slices."""
     parts: list[Part] = [] if slices is None else [("slices", slices.edges_mm)]
     if pairing.coast is not None:
-        parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size)))
+        each = pairing.sites.size * (1 if slices is None else slices.count)
+        parts.append(("sides", np.repeat([1.0, -1.0], each)))
     if friction is not None:
         coefficients = friction.coefficients
         if pairing.coast is not None:  # as on the working flanks

@@ -250,29 +250,44 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
 
 def _over_slices(found: Sweep, slices: Slices) -> Sweep:
     """Results of the sites, from those of their slices."""
+    sums, states = _summed(found, slices)
+    coast = found.coast
+    if coast is not None:
+        own, _ = _summed(coast, slices)
+        coast = replace(coast, **own, pairs=coast.pairs.in_slices(slices.count))
+    return replace(
+        found,
+        **sums,
+        site_force_per_torque=sums["site_force_N"] / (found.torque_Nmm or 1.0),
+        slices=states,
+        coast=coast,
+        pairs=found.pairs.in_slices(slices.count),
+    )
+
+
+def _summed(found: Sweep | CoastSweep, slices: Slices) -> tuple[dict[str, Any], SliceStates]:
+    """Results of the sites by name, and those of their slices."""
     shape = (*found.site_force_N.shape[:1], -1, slices.count)
     force, peak, corner = (
         part.reshape(shape)
         for part in (found.site_force_N, found.site_peak_N_per_mm, found.site_corner)
     )
     corner = with_sharp_ends(corner, force, slices.sharp_ends)
-    return replace(
-        found,
-        site_force_N=force.sum(axis=2),
-        site_peak_N_per_mm=peak.max(axis=2),
-        site_corner=worst_corner(corner),
-        site_force_per_torque=force.sum(axis=2) / (found.torque_Nmm or 1.0),
-        slices=SliceStates(
-            force,
-            peak,
-            corner,
-            slices.edges_mm,
-            slices.line_load_mm,
-            slices.sharp_ends,
-            conforming=slices.conforming is not None,
-        ),
-        pairs=found.pairs.in_slices(slices.count),
+    sums: dict[str, Any] = {
+        "site_force_N": force.sum(axis=2),
+        "site_peak_N_per_mm": peak.max(axis=2),
+        "site_corner": worst_corner(corner),
+    }
+    states = SliceStates(
+        force,
+        peak,
+        corner,
+        slices.edges_mm,
+        slices.line_load_mm,
+        slices.sharp_ends,
+        conforming=slices.conforming is not None,
     )
+    return sums, states
 
 
 def _motion(contact: FlankContact, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -311,7 +326,7 @@ def _initial_capacity(contact: FlankContact) -> int:
     if slices is not None:
         of_cells = int(min(sites, MESHING_FLANKS) * (2.0 * cells + LEAST_CELLS))
         lumped = contact.level == "lumped" or contact.conforms
-        return slices.count * (2 * sites if lumped else of_cells)
+        return sides * slices.count * (2 * sites if lumped else of_cells)
     if not pairing.whole_circle:
         return sides * INITIAL_PAIRS
     return sides * max(INITIAL_PAIRS, int(PAIRS_PER_CELL * (cells + LEAST_CELLS) * sites))

@@ -106,21 +106,22 @@ class LoadedBody:
             return loaded_edges(flank)
         edges, s = loaded_edges(mesh)
         if coast:
-            edges, of_sector = self._coast_edges(mesh, edges)
+            edges, of_sector = coast_edges(self.body, mesh, edges)
             tooth -= of_sector
         return self.numbers[tooth % mesh.teeth][edges], s
 
-    def _coast_edges(self, mesh: SectorMesh, edges: Numbers) -> tuple[Numbers, int]:
-        """Edges of the coast flank in a sector (mirror images), and the number of its tooth."""
-        assert self.body.involute is not None
-        marks = np.zeros((2 * len(mesh.nodes), 1))
-        marks[2 * edges.ravel(), 0] = 1.0 + edges.ravel()
-        mirrored, tooth = mirrored_loads(mesh, marks, self.body.involute.turn_rad)
-        # the magnitude of a mark, which mirroring does not change, is the number of its node
-        source = np.rint(np.hypot(*mirrored.reshape(-1, 2).T)).astype(np.int64) - 1
-        image = np.full(len(mesh.nodes), -1)
-        image[source[source >= 0]] = np.flatnonzero(source >= 0)
-        return image[edges], tooth
+
+def coast_edges(body: Body, mesh: SectorMesh, edges: Numbers) -> tuple[Numbers, int]:
+    """Edges of the coast flank in a sector (mirror images), and the number of its tooth."""
+    assert body.involute is not None
+    marks = np.zeros((2 * len(mesh.nodes), 1))
+    marks[2 * edges.ravel(), 0] = 1.0 + edges.ravel()
+    mirrored, tooth = mirrored_loads(mesh, marks, body.involute.turn_rad)
+    # the magnitude of a mark, which mirroring does not change, is the number of its node
+    source = np.rint(np.hypot(*mirrored.reshape(-1, 2).T)).astype(np.int64) - 1
+    image = np.full(len(mesh.nodes), -1)
+    image[source[source >= 0]] = np.flatnonzero(source >= 0)
+    return image[edges], tooth
 
 
 def loaded_body(body: Body, plane: str) -> LoadedBody:

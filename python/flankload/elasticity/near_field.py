@@ -238,23 +238,26 @@ def consistent_loads(
 def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[Floats, int]:
     """Loads on the coast flank of a symmetric sector, and the tooth of this flank.
 
-    Forces (2 N, p) on the flank of tooth 0 are mirrored. If the sector contains a space, the coast
+    Forces (2 N, p) on the flank of tooth 0 are mirrored, in three dimensions (3 N, p) rotated about
+    the axis of symmetry: this turns a helix into itself. If the sector contains a space, the coast
     flank belongs to another tooth. `center_rad`: polar angle of the centre of tooth 0, or of its
     space for internal teeth. Raises ValueError if a node of the flank has no mirror image.
     """
     cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
     axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])
     cosine, sine = np.cos(2 * axis), np.sin(2 * axis)
-    mirror = np.array([[cosine, sine], [sine, -cosine]])
+    mirror = np.array([[cosine, sine, 0.0], [sine, -cosine, 0.0], [0.0, 0.0, -1.0]])
     nodes = np.flatnonzero(loads.reshape(len(mesh.nodes), -1).any(axis=1))
-    images = mesh.nodes[nodes] @ mirror
+    images = mesh.nodes[nodes] @ mirror[:2, :2]
     # faster than the import of a search tree
     image = np.array([np.argmin(((mesh.nodes - place) ** 2).sum(axis=1)) for place in images])
     apart = np.hypot(*(mesh.nodes[image] - images).T)
     if apart.max() > MIRROR_TOLERANCE * float(np.abs(mesh.nodes).max()):
         raise ValueError("mesh: expected a sector whose halves are mirror images")
-    mirrored = np.zeros((len(mesh.nodes), 2, loads.shape[1]))
-    mirrored[image] = np.einsum("ij,njp->nip", mirror, loads.reshape(mirrored.shape)[nodes])
+    size = len(loads) // len(mesh.nodes)
+    mirrored = np.zeros((len(mesh.nodes), size, loads.shape[1]))
+    on_flank = loads.reshape(mirrored.shape)[nodes]
+    mirrored[image] = np.einsum("ij,njp->nip", mirror[:size, :size], on_flank)
     tooth = round(float(axis - center_rad) * mesh.teeth / np.pi)
     return mirrored.reshape(loads.shape), tooth
 

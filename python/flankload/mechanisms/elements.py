@@ -58,6 +58,7 @@ def elements_call(
             prism_of(own, scene),
             n_modes=modes_of(own, scene, discretization),
             friction=has_tangential_loads(body, effects) or tangential,
+            coast_flanks=scene.effects.coast_flank,
             fillets=job.fillets,
             estimate=estimate,
         )

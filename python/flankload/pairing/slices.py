@@ -60,6 +60,9 @@ class Slices:
         0 where both end together. Such an end is a sharp corner.
     conforming : CommonHeight or None
         Common height of conforming flanks (splines); None for line contact.
+    coast_gap_mm : (J,) array or None
+        Gap of coast flanks beyond that of working flanks, by misalignment; None if it is 0. Metal
+        is removed from coast flanks as from working flanks, but for that of single teeth.
     """
 
     edges_mm: Floats
@@ -70,6 +73,7 @@ class Slices:
     of_teeth_mm: tuple[Floats | None, Floats | None] = (None, None)
     surfaces_mm: tuple[Floats | None, Floats | None] = (None, None)
     conforming: CommonHeight | None = None
+    coast_gap_mm: Floats | None = None
 
     @property
     def count(self) -> int:
@@ -116,16 +120,23 @@ class Slices:
             of_teeth_mm=(one, two),
             surfaces_mm=(three, four),
             conforming=self.conforming,
+            coast_gap_mm=None if self.coast_gap_mm is None else joined(self.coast_gap_mm),
         )
 
-    def site_angles(self, angles_rad: Floats, body: int) -> Floats:
-        """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site."""
-        return np.asarray(np.add.outer(angles_rad, self.turns_rad[body]).ravel())
+    def site_angles(self, angles_rad: Floats, body: int, *, coast: bool = False) -> Floats:
+        """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site.
 
-    def site_deviations(self, deviations_mm: Floats, body: int) -> Floats:
+        Those of coast flanks are angles of the mirror image, whose helix has the other hand.
+        """
+        turns = self.turns_rad[body]
+        return np.asarray(np.add.outer(angles_rad, -turns if coast else turns).ravel())
+
+    def site_deviations(self, deviations_mm: Floats, body: int, *, coast: bool = False) -> Floats:
         """Excess metal (S * J,) in all slices from that of the sites (S,) or (S, J), mm."""
-        each = deviations_mm.reshape(len(deviations_mm), -1)
-        return np.asarray((each - self.removed_mm[body]).ravel())
+        each, removed = deviations_mm.reshape(len(deviations_mm), -1), self.removed_mm[body]
+        if coast and body == 1 and self.coast_gap_mm is not None:
+            removed = removed + self.coast_gap_mm
+        return np.asarray((each - removed).ravel())
 
     def tooth_deviations(self, sites: NDArray[np.int64], body: int) -> Floats:
         """Excess metal on the teeth of a body at sites (S,): (S, 1) or (S, J), mm."""
@@ -144,7 +155,7 @@ class Slices:
 def slices_of(
     shapes: tuple[AxialShape, AxialShape],
     count: int | None,
-    misalignment_per_mm: float,
+    misalignment_per_mm: tuple[float, float] = (0.0, 0.0),
     *,
     graded: bool = False,
     line_load_mm: float | None = None,
@@ -155,8 +166,8 @@ def slices_of(
     ----------
     count : int or None
         Number of slices, `SLICES` by default.
-    misalignment_per_mm : float
-        Gap per length along z by the misalignment of the axes.
+    misalignment_per_mm : (float, float)
+        Gap per length along z by the misalignment of the axes, of working and of coast flanks.
     graded : bool
         Narrower slices at both ends, which resolve the pressure there, instead of equal ones.
     line_load_mm : float or None
@@ -167,7 +178,7 @@ def slices_of(
     high = min(one.range_mm[1], two.range_mm[1])
     ends = _ends_of_slices(low, high, count or SLICES, graded=graded)
     z, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-    places, weights = leggauss(GAP_POINTS)
+    (gap, coast_gap), (places, weights) = misalignment_per_mm, leggauss(GAP_POINTS)
     inside = z[:, np.newaxis] + np.outer(half, places)
 
     def of_teeth(shape: AxialShape) -> Floats | None:
@@ -184,12 +195,13 @@ def slices_of(
         turns_rad=(one.twist_rad_per_mm * z, two.twist_rad_per_mm * z),
         removed_mm=(
             one.gap_mm(inside) @ weights / 2.0,
-            two.gap_mm(inside) @ weights / 2.0 + misalignment_per_mm * z,
+            two.gap_mm(inside) @ weights / 2.0 + gap * z,
         ),
         line_load_mm=line_load_mm or LINE_LOAD_PART * (high - low),
         sharp_ends=_sharp_ends(one.range_mm, two.range_mm),
         of_teeth_mm=(of_teeth(one), of_teeth(two)),
         surfaces_mm=(surface(one), surface(two)),
+        coast_gap_mm=None if coast_gap == gap else (coast_gap - gap) * z,
     )
 
 

@@ -42,6 +42,8 @@ class SliceLoads(KeepsReadOnly, Card):
     directions : (P, S, 2) array or None
         Transverse normals out of body 1 of the flanks of a spline, which carry all around the
         axis; None if all flanks push in nearly the same direction.
+    coast_force_N : (P,) array or None
+        Sum of the forces on the coast flanks, if they can carry load.
     """
 
     z_mm: Floats
@@ -53,6 +55,7 @@ class SliceLoads(KeepsReadOnly, Card):
     line_load_length_mm: float
     weights: Floats
     directions: Floats | None = None
+    coast_force_N: Floats | None = None
 
     @property
     def enter_in_turn(self) -> bool:
@@ -135,13 +138,14 @@ class SliceLoads(KeepsReadOnly, Card):
     @cached_property
     def axial_force_N(self) -> Floats:
         """(P,) Axial component of the forces on body 1, positive along z."""
-        # the normal out of body 1 leans by the base helix angle
+        # the normal out of body 1 leans by the base helix angle, on coast flanks the other way
         sine = self.tangent_helix_base * self.cosine_helix_base
-        return frozen(sine * self.force_N.sum(axis=(1, 2)))
+        coast = 0.0 if self.coast_force_N is None else self.coast_force_N
+        return frozen(sine * (self.force_N.sum(axis=(1, 2)) - coast))
 
     @cached_property
     def tilting_moment_Nm(self) -> Floats:
-        """(P,) Moment of the transverse forces about the middle of the face width.
+        """(P,) Moment of the transverse forces on working flanks about the middle of the width.
 
         Their lever arm is the axial distance; positive if more load is at larger z. Of a spline the
         magnitude of `tilting_moments_Nm`.

@@ -42,11 +42,11 @@ PLANE_EFFECTS = {
     "body": "three-dimensional bodies with all their teeth",
     "support_expansion_per_K": "bodies that expand as their supports do",
     "speed_rpm": "centrifugal expansion of plane bodies only",
-    "coast_flank": "elements of working flanks only",
 }
 #: Further ones of splines, whose slices conform over their height.
 PLANE_EFFECTS_OF_SPLINES = {
     "friction_coefficient": "no friction of splines",
+    "coast_flank": "slices of the working flanks of splines",
     "root_stress": "no root stress of splines over their width",
     "temperature_rise_K": "expansion of splines in the plane only",
 }

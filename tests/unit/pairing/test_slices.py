@@ -50,7 +50,7 @@ def test_metal_is_missing_where_the_key_says(
 
 def test_slices_cover_the_common_width() -> None:
     one, two = AxialShape((-7.0, 7.0), 0.01), AxialShape((-5.0, 9.0), -0.004)
-    slices = slices_of((one, two), 6, 0.0)
+    slices = slices_of((one, two), 6)
     assert slices.width_mm.sum() == pytest.approx(12.0)
     assert slices.z_mm[[0, -1]] == pytest.approx([-4.0, 6.0])
     np.testing.assert_allclose(slices.turns_rad[0], 0.01 * slices.z_mm)
@@ -67,7 +67,7 @@ def test_misalignment_opens_the_gap_along_the_axis() -> None:
     assert per_mm == pytest.approx(0.002 * np.sin(angle))
     assert gap_by_misalignment(0.0, 2.0, angle) == pytest.approx(0.002 * np.cos(angle))
     shape = AxialShape((-7.0, 7.0))
-    removed = slices_of((shape, shape), 4, per_mm).removed_mm
+    removed = slices_of((shape, shape), 4, (per_mm, per_mm)).removed_mm
     assert not removed[0].any()
     assert (np.diff(removed[1]) > 0).all()
 

@@ -15,6 +15,7 @@ from flankload.elasticity.compliance.contributions import (
     FlankModes,
     NearField,
     RootResponse,
+    opposite,
 )
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import mode_products
@@ -148,9 +149,7 @@ class BodyCompliance:
         if n_working == teeth_at.size or self.is_rigid:
             return block
         coast = np.arange(teeth_at.size) >= n_working
-        # a load on a coast flank is the mirror image of one on a working flank
-        block = np.where(coast[None, :], self.block_of(loaded, displaced, teeth), block)
-        return block + teeth * (coast[:, None] != coast[None, :])
+        return block + teeth * (coast[:, None] + 2 * coast[None, :])
 
     def all_blocks(self) -> tuple[Floats, Floats | None]:
         """`smooth` and `tangential`, each followed by the response of coast flanks, if any."""
@@ -162,10 +161,11 @@ class BodyCompliance:
         return np.concatenate([self.smooth, coast.normal]), tangential
 
     def turned_blocks(self) -> Floats | None:
-        """`turned` for each block of `all_blocks`, 0 for coast flanks."""
+        """`turned` for each block of `all_blocks`, 0 across a tooth."""
         if self.turned is None or self.coast is None:
             return self.turned
-        return np.concatenate([self.turned, np.zeros_like(self.coast.normal[:, :, 0])])
+        none, images = np.zeros_like(self.turned), self.turned[opposite(len(self.turned))]
+        return np.concatenate([self.turned, none, none, images])
 
     def with_blocks(self, change: Blocks, of_coast: Blocks | None = None) -> BodyCompliance:
         """The compliance with changed responses.
@@ -245,7 +245,16 @@ class BodyCompliance:
         if tangential is not None:
             tangential = tangential.copy()
             tangential[self.own_blocks] += times * self.fe_error[:, :, p:]
-        return replace(self, smooth=smooth, tangential=tangential, fe_error=None)
+        coast = self.coast
+        if coast is not None:
+            normal = coast.normal.copy()
+            normal[2 * len(smooth)] += times * self.fe_error[0, :, :p]
+            along = coast.tangential
+            if along is not None:
+                along = along.copy()
+                along[2 * len(smooth)] += times * self.fe_error[0, :, p:]
+            coast = CoastCompliance(normal, along)
+        return replace(self, smooth=smooth, tangential=tangential, coast=coast, fe_error=None)
 
     def without_elasticity(self) -> BodyCompliance:
         """The compliance of a body that only body loads deform."""
@@ -302,8 +311,9 @@ class BodyCompliance:
         def alone_across(blocks: Floats) -> Floats:
             # the coast flank of an internal tooth belongs to the next space
             assert self.coast is not None
-            own = np.atleast_1d(np.abs(self.coast.normal[:, 0, 0]).argmax())
-            return _only(blocks, own)
+            z = len(self.coast.normal) // 3
+            own = int(np.abs(self.coast.normal[:z, 0, 0]).argmax())
+            return _only(blocks, np.array([own, z + -own % z, 2 * z]))
 
         root = self.root
         return replace(

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.root_fillet import RootPoints
     from flankload.bodies.tip_modes import Tip
 
@@ -88,22 +90,56 @@ class FlankModes:
     axial: AxialModes | None = None
     nodes: Floats | None = None
 
+    def mirror_signs(self, p: int) -> Floats:
+        """Factors (p,) of the modes in the image of a flank that is turned end for end in z."""
+        count = 1 if self.axial is None else self.axial.count
+        return np.tile((-1.0) ** np.arange(count), p // count)
+
 
 @dataclass(frozen=True, eq=False)
 class CoastCompliance:
-    """Response of the coast flanks to loads on the working flanks.
+    """Response of flanks of a body of z teeth if the loaded or the displaced one is a coast flank.
 
     Attributes
     ----------
-    normal : (z, p, p) array
-        normal[t] maps the pressure modes on the working flank of tooth 0 to displacements on the
-        coast flank of tooth t; mm²/N. Responses to loads on coast flanks are mirror images.
-    tangential : (z, p, q) array; None without friction
-        The same for tangential loads on the working flank.
+    normal : (3 z, p, p) array
+        Maps pressure modes on a flank of tooth 0 to displacements on one of tooth t: block t from
+        working to coast flanks, z + t from coast to working flanks, 2 z + t between coast flanks;
+        mm²/N, in three dimensions mm/N.
+    tangential : (3 z, p, q) array; None without friction
+        The same for tangential loads.
     """
 
     normal: Floats
     tangential: Floats | None = None
+
+    @classmethod
+    def mirrored(
+        cls, across: Floats, smooth: Floats, tangential: tuple[Floats, Floats] | None
+    ) -> CoastCompliance:
+        """Of a body whose working and coast flanks are mirror images.
+
+        `across` (z, p, p): from working to coast flanks; `smooth` (z, p, p): between working
+        flanks; `tangential`: both for tangential loads.
+        """
+
+        def images(over: Floats, between: Floats) -> Floats:
+            back = opposite(len(over))
+            return np.concatenate([over, over[back], between[back]])
+
+        return cls(images(across, smooth), None if tangential is None else images(*tangential))
+
+    @property
+    def exchanged(self) -> Numbers:
+        """Indices (3 z,) of the blocks with displaced and loaded flank exchanged."""
+        z = len(self.normal) // 3
+        back = opposite(z)
+        return np.concatenate([z + back, back, 2 * z + back])
+
+
+def opposite(z: int) -> Numbers:
+    """Numbers (z,) of the teeth on the other side of tooth 0."""
+    return -np.arange(z) % z
 
 
 @dataclass(frozen=True, eq=False)

@@ -196,7 +196,10 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
     response, asymmetry = made_symmetric(response, found.across)
     coast, across = None, found.coast
     if across is not None:
-        coast = CoastCompliance(across[..., :n_modes], across[..., n_modes:] if friction else None)
+        parts = across[..., n_modes:], response[:, :n_modes, n_modes:]
+        coast = CoastCompliance.mirrored(
+            across[..., :n_modes], response[:, :n_modes, :n_modes], parts if friction else None
+        )
     job.log.account.count(fe_unknowns=found.degrees_of_freedom)
     return BodyCompliance(
         smooth=response[:, :n_modes, :n_modes],

@@ -62,9 +62,13 @@ def _turned(found: BodyCompliance, products: Floats) -> BodyCompliance:
     smooth = found.smooth + (half + half[found.exchanged].transpose(0, 2, 1))
     coast = found.coast
     if coast is not None and coast.tangential is not None:
-        # a coast flank is the mirror image of a working flank: exchanged, a block is its own
-        half = coast.tangential @ products.T
-        coast = replace(coast, normal=coast.normal + (half + half.transpose(0, 2, 1)))
+        along = coast.tangential.copy()
+        if found.along_near is not None:
+            signs = found.modes.mirror_signs(len(found.along_near))
+            along[2 * len(smooth)] += signs[:, None] * found.along_near * signs
+        half = along @ products.T
+        exchanged = half[coast.exchanged].transpose(0, 2, 1)
+        coast = replace(coast, normal=coast.normal + (half + exchanged))
     root = None if found.root is None else _root(found.root, products)
     return replace(found, smooth=smooth, coast=coast, root=root)
 

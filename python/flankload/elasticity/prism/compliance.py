@@ -18,6 +18,9 @@ ds dz. With a tip rounding or chamfer, D = <P, P> over flank and tip, including 
 
 With friction, loads along the profile, t/cos(beta_b) per ds dz, are further columns of the same
 elimination; `tangential` is their g, without the near field with `jump` and `wedge_along`.
+
+Loads on coast flanks are those on working flanks rotated by 180 degrees about the centre line of
+the tooth: they lean out of the other end face, so that the near field is that of reversed z.
 """
 
 from __future__ import annotations
@@ -34,14 +37,21 @@ from flankload.cost import Account
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.contributions import (
     AxialModes,
+    CoastCompliance,
     FlankModes,
     NearField,
     RootResponse,
+    opposite,
 )
 from flankload.elasticity.compliance.job import JobOptions, flank_compliance
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.mean_motion import prism_reactions
-from flankload.elasticity.near_field import jump_strength, logarithm_strength, mode_loads
+from flankload.elasticity.near_field import (
+    jump_strength,
+    logarithm_strength,
+    mirrored_loads,
+    mode_loads,
+)
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of, mode_norms_z
 from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
@@ -68,6 +78,7 @@ def prism_compliance(
     *,
     n_modes: int,
     friction: bool = False,
+    coast_flanks: bool = False,
     fillets: RootFillets | None = None,
     estimate: bool = False,
     account: Account | None = None,
@@ -77,8 +88,9 @@ def prism_compliance(
     The fixed nodes of the sector are fixed over their whole width or follow a shaft
     (`flexible_bore`); of a free bore the mean motion is held (`mean_motion`). The degree of the
     pressure modes along s should be at most half the number of flank elements; those of a tip are
-    added. With friction, as many loads along the profile are solved. `fillets`: points for root
-    stress; `estimate`: error estimate of the plane elements.
+    added. With friction, as many loads along the profile are solved; with coast flanks, the same
+    loads on these. `fillets`: points for root stress, without coast flanks; `estimate`: error
+    estimate of the plane elements.
 
     Returns
     -------
@@ -96,11 +108,10 @@ def prism_compliance(
     if body.rigid or body.mesh is None:
         return no_compliance(body)
     log, modes = JobLog(account), n_modes if body.tip is None else with_tip(n_modes)
-    response, of_roots = _ring_responses(
-        body, prism, modes, log, friction=friction, fillets=fillets
-    )
+    loads, tooth = _flank_loads(body, prism, modes, friction=friction, coast_flanks=coast_flanks)
+    response, of_roots = _ring_responses(body, prism, loads, log, fillets)
     surface = flank_surface(body, prism)
-    found = _compliance(body, prism, surface, response, log, friction=friction)
+    found = _compliance(body, prism, surface, response, log, friction=friction, tooth=tooth)
     fe_error = None
     if estimate:
         options = JobOptions(n_modes=n_modes, plane="strain", friction=friction, estimate=True)
@@ -118,16 +129,29 @@ def _compliance(
     log: JobLog,
     *,
     friction: bool,
+    tooth: int | None,
 ) -> BodyCompliance:
-    """Compliance from the response (z, p, p) of a body, without roots and error estimate."""
+    """Compliance from the response (z, q, q) of a body, without roots and error estimate.
+
+    `tooth`: tooth whose coast flank is in the sector, if the second half of the columns are loads
+    on coast flanks; else None.
+    """
     near, columns = _near_field(body, surface, friction=friction), response.shape[1]
-    p = columns // 2 if friction else columns
+    q = columns if tooth is None else columns // 2
+    p = q // 2 if friction else q
+    working = response[:, :q, :q]
     smooth, asymmetry, along_near = _smooth_coefficients(
-        response, surface, near, p, prism.load_degree
+        working, surface, near, p, prism.load_degree
     )
+    coast = None
+    if tooth is not None:
+        blocks = _coast_blocks(response, surface, near, p, prism.load_degree, tooth)
+        along = np.ascontiguousarray(blocks[:, :p, p:]) if friction else None
+        coast = CoastCompliance(np.ascontiguousarray(blocks[:, :p, :p]), along)
+        log.account.count(coast_readings=q)
     unknowns = prism_unknowns(body, prism.degree)
     log.account.count(fe_unknowns=unknowns, fe_solutions=columns)
-    log.count_loads(columns, friction=friction)
+    log.count_loads(q, friction=friction)
     log.end_step("near field")
     axial = AxialModes(
         prism.range_mm, prism.load_degree, prism.twist, surface.cos_base_helix, surface.end
@@ -138,8 +162,26 @@ def _compliance(
         modes=FlankModes(body.mode_range_mm, tip=body.tip, axial=axial),
         tangential=np.ascontiguousarray(smooth[:, :p, p:]) if friction else None,
         along_near=along_near,
+        coast=coast,
         job=log.cost(asymmetry, unknowns),
     )
+
+
+def _coast_blocks(
+    response: Floats, surface: FlankSurface, near: NearField, p: int, degree_z: int, tooth: int
+) -> Floats:
+    """Blocks (3 z, q, q) of `CoastCompliance` from the response (z, 2 q, 2 q) of both flanks."""
+    q, count = response.shape[1] // 2, degree_z + 1
+    inverse = _to_coefficients(surface, p // count, degree_z, friction=q > p)
+    across = inverse @ np.roll(response[:, q:, :q], tooth, axis=0) @ inverse
+    back = inverse @ np.roll(response[:, :q, q:], -tooth, axis=0) @ inverse
+    # equal by reciprocity (Betti)
+    across = 0.5 * (across + back[opposite(len(back))].transpose(0, 2, 1))
+    back = across[opposite(len(back))].transpose(0, 2, 1)
+    signs = np.tile((-1.0) ** np.arange(count), q // count)
+    turned = signs[:, None] * response[:, q:, q:] * signs
+    between, _, _ = _smooth_coefficients(turned, surface, near, p, degree_z)
+    return np.concatenate([across, back, signs[:, None] * between * signs])
 
 
 def _near_field(body: Body, surface: FlankSurface, *, friction: bool) -> NearField:
@@ -170,8 +212,8 @@ def _smooth_coefficients(
         response[0, p:, :p] -= tangential.T
     inverse = _to_coefficients(surface, n_modes, degree_z, friction=count > p)
     along_near = inverse[:p, :p] @ tangential @ inverse[:p, :p] if count > p else None
-    across = -np.arange(len(response)) % len(response)
-    return *made_symmetric(inverse @ response @ inverse, across), along_near
+    back = opposite(len(response))
+    return *made_symmetric(inverse @ response @ inverse, back), along_near
 
 
 def _to_coefficients(
@@ -214,26 +256,40 @@ def _of_roots(
     return RootResponse(fillets.points, (response @ inverse).reshape(shape), prism.range_mm)
 
 
+def _flank_loads(
+    body: Body, prism: Prism, n_modes: int, *, friction: bool, coast_flanks: bool
+) -> tuple[Floats, int | None]:
+    """Loads (N, 3 (p + 1), q) of the modes, and the tooth whose coast flank is in the sector.
+
+    Normal loads, with friction followed by loads along the profile; with coast flanks, the same
+    loads on the coast flank follow.
+    """
+    mesh, tooth = _sector_of(body), None
+    directions: tuple[Literal["normal", "tangent"], ...] = ("normal", "tangent")
+    in_plane = np.hstack(
+        [
+            mode_loads(
+                mesh, body.mode_range_mm, n_modes, along=each, tip=body.tip, twist=prism.twist
+            )
+            for each in directions[: 1 + friction]
+        ]
+    )
+    if coast_flanks:
+        assert body.involute is not None
+        images, tooth = mirrored_loads(mesh, in_plane, body.involute.turn_rad)
+        in_plane = np.hstack([in_plane, images])
+    along = AxialBasis(prism.range_mm, prism.degree).load_vectors(prism.load_degree)
+    return _prism_loads(in_plane, along), tooth
+
+
 def _ring_responses(
-    body: Body,
-    prism: Prism,
-    n_modes: int,
-    log: JobLog,
-    *,
-    friction: bool,
-    fillets: RootFillets | None,
+    body: Body, prism: Prism, loads: Floats, log: JobLog, fillets: RootFillets | None
 ) -> tuple[Floats, Floats]:
-    """Readings B'C_t B (z, p, p) of the loads on the closed ring, and of the roots (z, r, p)."""
+    """Readings B'C_t B (z, q, q) of the loads on the closed ring, and of the roots (z, r, q)."""
     mesh = _sector_of(body)
     axial = AxialBasis(prism.range_mm, prism.degree)
     numbers, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
-    directions: tuple[Literal["normal", "tangent"], ...] = ("normal", "tangent")
-    in_plane = [
-        mode_loads(mesh, body.mode_range_mm, n_modes, along=each, tip=body.tip, twist=prism.twist)
-        for each in directions[: 1 + friction]
-    ]
-    loads = _prism_loads(np.hstack(in_plane), axial.load_vectors(prism.load_degree))
     count, bore = loads.shape[2], None
     reactions = np.zeros((*loads.shape[:2], 0))
     if mesh.has_free_bore:

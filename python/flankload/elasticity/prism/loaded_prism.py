@@ -18,7 +18,7 @@ from flankload.bodies.body import SectorMesh
 from flankload.elasticity.condensed_sector import CondensedSector, MeanMotion
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
-from flankload.elasticity.loaded_body import node_widths, on_edges, ring_of
+from flankload.elasticity.loaded_body import coast_edges, node_widths, on_edges, ring_of
 from flankload.elasticity.mean_motion import prism_reactions
 from flankload.elasticity.near_field import loaded_edges
 from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of
@@ -28,7 +28,7 @@ from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import ring_displacements
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Cells, Floats, Numbers
+    from flankload.base.arrays import Cells, Flags, Floats, Numbers
     from flankload.bodies.body import Body
     from flankload.elasticity.prism.prism import Prism
 
@@ -123,23 +123,42 @@ class LoadedPrism:
         assert isinstance(self.body.mesh, SectorMesh)
         return self.body.mesh
 
-    def on_flank(self, s_mm: Floats) -> tuple[Numbers, Floats]:
-        """Nodes (n, 3) of the edges at points of the flank of a sector, and shape functions."""
+    def on_flank(
+        self, tooth: Numbers, s_mm: Floats, coast: Flags | None = None
+    ) -> tuple[Numbers, Numbers, Floats]:
+        """Sectors (n,), nodes (n, 3) of the edges at points of flanks, and shape functions.
+
+        `coast` (n,): whether a point is on a coast flank.
+        """
         edges, s = loaded_edges(self.mesh)
         at, shapes = on_edges(s, s_mm)
-        return edges[at], shapes
+        nodes, sector = edges[at], tooth
+        if coast is not None and coast.any():
+            images, of_sector = coast_edges(self.body, self.mesh, edges)
+            nodes, sector = np.where(coast[:, None], images[at], nodes), tooth - of_sector * coast
+        return sector % self.mesh.teeth, nodes, shapes
 
-    def flank_widths(self) -> tuple[Numbers, Floats]:
+    def flank_widths(self, *, coast: bool = False) -> tuple[Numbers, Floats]:
         """Nodes (k,) of the flank of a sector, and the area (k,) of each per mm along z, mm."""
-        nodes, widths = node_widths(*loaded_edges(self.mesh))
+        edges, s = loaded_edges(self.mesh)
+        if coast:
+            edges, _ = coast_edges(self.body, self.mesh, edges)
+        nodes, widths = node_widths(edges, s)
         return nodes, widths * np.hypot(1.0, self.prism.twist * self.body.normal_lever_mm)
 
     def displacements(
-        self, tooth: Numbers, s_mm: Floats, spans_mm: Floats, force_N: Floats
+        self,
+        tooth: Numbers,
+        s_mm: Floats,
+        spans_mm: Floats,
+        force_N: Floats,
+        *,
+        coast: Flags | None = None,
     ) -> Floats:
         """Displacements (M, p + 1, 3) under forces (n, 3), N, uniform over spans on flanks.
 
-        Forces act on teeth (n,) at arc lengths (n,), between the axial ends (n, 2) of their spans.
+        Forces act on teeth (n,) at arc lengths (n,), between the axial ends (n, 2) of their spans,
+        on coast flanks where `coast` (n,) is true.
         Components are in the section rotated with the helix, in the frame of the body;
         displacements are by node and function of z.
         """
@@ -147,14 +166,14 @@ class LoadedPrism:
         z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
         axial = AxialBasis(self.prism.range_mm, self.prism.degree)
         means = axial.means(spans_mm)
-        nodes, shapes = self.on_flank(s_mm)
+        sector, nodes, shapes = self.on_flank(tooth, s_mm, coast)
         local = force_N.copy()
-        for each in np.unique(tooth).tolist():
-            own = tooth == each
+        for each in np.unique(sector).tolist():
+            own = sector == each
             local[own, :2] = turned(force_N[own, :2], -each * pitch)
         forces = np.zeros((len(mesh.nodes), z, count, COMPONENTS))
         parts = np.einsum("na,nk,nc->nakc", shapes, means, local)
-        np.add.at(forces, (nodes, tooth[:, None] % z), parts)
+        np.add.at(forces, (nodes, sector[:, None]), parts)
         by_sector = forces.transpose(0, 2, 3, 1).reshape(len(mesh.nodes), -1, z)
         with one_blas_thread():
             moved = self.solved(by_sector).reshape(len(mesh.nodes), count, COMPONENTS, z)

@@ -185,7 +185,7 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     if pairing.fit is not None:
         return _coupling_slices(scene, bodies, (one, two))
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
-    misalignment = 0.0
+    misalignment = (0.0, 0.0)
     if any(angles):
         if pairing.gear_geometry is None:
             raise SceneError(
@@ -193,7 +193,12 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
                 expected="nothing, since a body without a profile has no pressure angle",
                 found=angles[0] or angles[1],
             )
-        misalignment = gap_by_misalignment(*angles, pairing.gear_geometry.pressure_angle_rad)
+        pressure_angle = pairing.gear_geometry.pressure_angle_rad
+        # in the mirror image about the line of centres, axis 2 deviates to the other side
+        misalignment = (
+            gap_by_misalignment(*angles, pressure_angle),
+            gap_by_misalignment(angles[0], -angles[1], pressure_angle),
+        )
     graded = scene.effects.contact == "pairs"
     return slices_of(
         (one, two),
@@ -209,7 +214,7 @@ def _coupling_slices(
 ) -> Slices:
     """Slices of a spline, with the tilt of its hub about the middle of the common width."""
     slices = slices_of(
-        shapes, scene.accuracy.slices, 0.0, line_load_mm=scene.accuracy.line_load_length_mm
+        shapes, scene.accuracy.slices, line_load_mm=scene.accuracy.line_load_length_mm
     )
     height = common_height(
         *bodies,

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.contact.pair_table import PackedPairs
-    from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
+    from flankload.contact.sweep import CoastSweep, Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import GearGeometry
@@ -61,7 +61,6 @@ def result_of(
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
     width = pair.mesh.loaded_width_mm
-    peak_width = width if pair.slices is None else 1.0  # peaks of slices are pressures
     pair_notes = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
@@ -71,7 +70,7 @@ def result_of(
         rotation_rad=found.rotation_rad,
         reference_radius_mm=pair.body_1.reference_radius_mm,
         site_force_N=found.site_force_N[:, carries],
-        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / peak_width,
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / _peak_width(pair, width),
         stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
         pair_tables=_pair_tables(pair, found.pairs, width),
@@ -100,13 +99,13 @@ def result_of(
 
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
     """A result with the optional parts: slices, coast flanks, friction."""
-    if pair.slices is not None and found.slices is not None:
+    if pair.slices is not None:
         result = replace(
             result,
-            slices=_slice_loads(
-                pair, pair.slices, found.slices, over_positions(result).weights
-            ).at_sites(carries),
-            shafts=shaft_loads(pair, pair.slices, found.pairs),
+            slices=_slice_loads(pair, pair.slices, found, over_positions(result).weights).at_sites(
+                carries
+            ),
+            shafts=shaft_loads(pair, pair.slices, found),
         )
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, result.face_width_mm))
@@ -116,21 +115,23 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
     return replace(result, friction=_friction(pair, found, carries, result))
 
 
-def _slice_loads(pair: BodyPair, slices: Slices, found: SliceStates, weights: Floats) -> SliceLoads:
+def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep, weights: Floats) -> SliceLoads:
     """Loads of the slices; forces are normal to the flanks; `weights` are those of positions."""
-    axial = pair.body_1.axial
+    axial, of_slices, coast = pair.body_1.axial, found.slices, found.coast
     assert axial is not None
+    assert of_slices is not None
     radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
     tangent = axial.twist_rad_per_mm * radius
     return SliceLoads(
         z_mm=slices.z_mm,
         width_mm=slices.width_mm,
-        force_N=found.force_N,
-        peak_pressure_MPa=found.peak_MPa,
+        force_N=of_slices.force_N,
+        peak_pressure_MPa=of_slices.peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
         line_load_length_mm=slices.line_load_mm,
         weights=weights,
+        coast_force_N=None if coast is None else coast.site_force_N.sum(axis=1),
         directions=None
         if slices.conforming is None
         else turned(
@@ -158,10 +159,15 @@ def _coast(
     """Contact on the coast flanks of some pair numbers."""
     return CoastContact(
         force_N=found.site_force_N[:, carries],
-        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / width,
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / _peak_width(pair, width),
         corner_contact=on_corner(found.site_corner[:, carries]),
         pair_tables=_pair_tables(pair, found.pairs, width),
     )
+
+
+def _peak_width(pair: BodyPair, width_mm: float) -> float:
+    """Width by which the peaks of a sweep are divided; those of slices are pressures."""
+    return width_mm if pair.slices is None else 1.0
 
 
 def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -228,7 +234,8 @@ def _friction(
         "in_section": 1.0 / np.hypot(1.0, _slope(pair, columns)),
     }
     if pair.slices is not None:
-        columns["z"] = pair.slices.from_middle_mm[found.pairs.slices]
+        places = [pairs.slices for pairs, _ in parts]
+        columns["z"] = pair.slices.from_middle_mm[np.concatenate(places)]
     summed = friction_result(
         columns,
         n_sites=n_sites,
@@ -242,12 +249,12 @@ def _friction(
     return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
 
 
-def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoads | None:
+def shaft_loads(pair: BodyPair, slices: Slices, found: Sweep) -> ShaftLoads | None:
     """Tilt of the teeth and forces on the bearings at all positions; None without a shaft."""
     shafts = [None if body.axial is None else body.axial.shaft for body in pair.bodies]
     if shafts == [None, None]:
         return None
-    count = len(pairs.count)
+    count = len(found.status)
     tilt, bearings = np.zeros(count), [np.zeros((count, 0, 3)), np.zeros((count, 0, 3))]
     for z, (shaft, sign) in enumerate(zip(shafts, (-1.0, 1.0), strict=True)):
         if shaft is None:
@@ -255,10 +262,15 @@ def shaft_loads(pair: BodyPair, slices: Slices, pairs: PackedPairs) -> ShaftLoad
         axis = np.array([z * pair.pairing.center_distance_mm, 0.0, shaft.z_mm])
         bearings[z] = np.zeros((count, len(shaft.bearing_loads), 3))
         for p in range(count):
-            points, normal, friction = _contacts(pair, slices, pairs, p)
+            points, normal, friction = _contacts(pair, slices, found.pairs, p)
             if not normal.any():
                 continue
             force = sign * (normal + friction)
+            if found.coast is not None:
+                also, pressed, rubbed = _contacts(pair, slices, found.coast.pairs, p)
+                points = np.concatenate([points, also])
+                # on coast flanks, the force of friction is along the normal rotated by +90 degrees
+                force = np.concatenate([force, sign * (pressed - rubbed)])
             wrench = np.concatenate([force.sum(axis=0), np.cross(points - axis, force).sum(axis=0)])
             turned = (shaft.compliance @ wrench)[3:]
             across = normal[:, :2].sum(axis=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +18,7 @@ from flankload.mechanisms.protocol import NodalFields
 from flankload.pairing.pairing import coast_sites
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies import Body
     from flankload.elasticity.loaded_body import LoadedBody
     from flankload.elasticity.prism.loaded_prism import LoadedPrism, SolidPart
@@ -37,7 +37,8 @@ class PointForces:
 
     Their frame is that of the body, rotated with the helix; `normal_N` (n,) are magnitudes of the
     components normal to the flank, `s_mm` (n,) arc lengths on the flank of the elements, and
-    `spans_mm` (n, 2) the ends along the axis of the slice over which a force is uniform.
+    `spans_mm` (n, 2) the ends along the axis of the slice over which a force is uniform; `coast`
+    (n,) whether it acts on a coast flank.
     """
 
     tooth: Numbers
@@ -45,6 +46,7 @@ class PointForces:
     spans_mm: Floats
     force_N: Floats
     normal_N: Floats
+    coast: Flags
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +124,7 @@ class BodyOfPair:
             np.repeat(np.column_stack([z - half, z + half]), POINTS, axis=0),
             share[:, None] * np.repeat(force, POINTS, axis=0),
             share * np.repeat(normal_N, POINTS),
+            np.full(s.size, coast),
         )
 
 
@@ -189,7 +192,9 @@ class SolidBody(BodyOfPair):
         """Fields of a result at position p, as of `FieldBody`."""
         loaded, twist, angle = self.loaded, self.loaded.prism.twist, self.angle(result, p)
         forces = self.forces(result, p)
-        moved = loaded.displacements(forces.tooth, forces.s_mm, forces.spans_mm, forces.force_N)
+        moved = loaded.displacements(
+            forces.tooth, forces.s_mm, forces.spans_mm, forces.force_N, coast=forces.coast
+        )
         center = self.center(result)
         found: list[list[Floats]] = []
         for part in loaded.parts:
@@ -219,15 +224,23 @@ class SolidBody(BodyOfPair):
                 key="results", expected="results of this scene", found="those of a plane scene"
             )
         turn = (self.angle(result, p), self.loaded.prism.twist)
-        return self.point_forces(result, table, turn)
+        found = self.point_forces(result, table, turn)
+        if result.coast is None:
+            return found
+        more = self.point_forces(result, result.coast.pair_tables[p], turn, coast=True)
+        joined = {
+            item.name: np.concatenate([getattr(part, item.name) for part in (found, more)])
+            for item in fields(PointForces)
+        }
+        return PointForces(**joined)
 
     def _nodal(self, part: SolidPart, forces: PointForces) -> tuple[Floats, Floats]:
         """Forces (n, J, 3) at the points of a part, and pressures (n, J) on its flanks."""
         loaded, count = self.loaded, part.z_mm.size
         place = np.full(len(loaded.nodes), -1)
         place[part.nodes] = np.arange(part.nodes.size)
-        nodes, shapes = loaded.on_flank(forces.s_mm)
-        at = place[loaded.numbers[forces.tooth[:, None] % len(loaded.numbers), nodes]]
+        sector, nodes, shapes = loaded.on_flank(forces.tooth, forces.s_mm, forces.coast)
+        at = place[loaded.numbers[sector[:, None], nodes]]
         along = _on_layers(part.z_mm, forces.spans_mm)
         columns = np.column_stack([forces.force_N, forces.normal_N])
         found = np.zeros((part.nodes.size, count, 4))
@@ -236,10 +249,11 @@ class SolidBody(BodyOfPair):
         pressure, levels = found[..., 3], np.zeros(count)
         for k in range(0, count - 1, 2):  # Simpson's weights, as along the profile
             levels[k : k + 3] += (part.z_mm[k + 2] - part.z_mm[k]) / 6.0 * np.array([1, 4, 1])
-        flank, widths = loaded.flank_widths()
-        for tooth in np.unique(forces.tooth % len(loaded.numbers)):
-            own = place[loaded.numbers[tooth, flank]]
-            pressure[own[own >= 0]] /= widths[own >= 0, None] * levels
+        for coast in np.unique(forces.coast).tolist():
+            flank, widths = loaded.flank_widths(coast=coast)
+            for number in np.unique(sector[forces.coast == coast]):
+                own = place[loaded.numbers[number, flank]]
+                pressure[own[own >= 0]] /= widths[own >= 0, None] * levels
         return found[..., :3], pressure
 
 

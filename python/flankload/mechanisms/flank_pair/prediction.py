@@ -182,7 +182,8 @@ def _prism(
     of_profile = [round(part) * modes for part in _loads(work)]
     normal, tangential = (part * (load_degree + 1) for part in of_profile)
     factorisations = (2 if body.axial.symmetric else 1) + estimated
-    found = _solved(factorisations, normal, tangential)
+    coast = round(work.coast_readings) * (normal + tangential)
+    found = _solved(factorisations, normal, tangential, coast_readings=coast)
     found["fe_solutions"] += sum(of_profile) * estimated
     return found | {"fe_unknowns": prism_unknowns(body, degree)}
 
