@@ -139,8 +139,8 @@ class EffectResults(LoadedPositions):
 
     @per_torque
     def mean_line_load_N_per_mm(self) -> Floats:
-        """(P, S, J) Mean line load over `line_load_length_mm`, the larger of those that begin or end
-        with a slice."""
+        """(P, S, J) Mean line load over `line_load_length_mm`, the larger of those that begin or
+        end with a slice."""
         if self.slices is None:
             return self.line_load_N_per_mm[..., np.newaxis]
         return self.slices.mean_line_load_N_per_mm
