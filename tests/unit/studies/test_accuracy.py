@@ -85,7 +85,7 @@ def small() -> fl.Scene:
 def spatial(**tables: dict) -> fl.Scene:
     """The same gears in three dimensions, one of them crowned."""
     tree = tomllib.loads(SCENE) | {"effects": {"dimension": 3}}
-    tree["body_1"]["lead_crowning_um"] = 10.0
+    tree["body_1"] |= {"lead_crowning_um": 10.0, "bore_diameter_mm": 48}  # few elements
     tree["body_2"]["rigid"] = True
     tree["positions"]["count"] = 4
     del tree["accuracy"]
