@@ -216,7 +216,7 @@ contains
                             do e = 1, 2
                                 away = merge(bodies(k)%z_low, bodies(k)%z_high, e == 1)
                                 along = one%z + other%z - 2.0_wp*away
-                                wanted = wanted + 0.5_wp*bodies(k)%end_strength(e) &
+                                wanted = wanted + 0.5_wp*bodies(k)%end_strength(e, 1) &
                                     & *between(one, other, x, along, pairs%cell_1([i, j]))
                             end do
                             away = merge(2.0_wp*bodies(1)%s_high - pairs%s_1(i) - pairs%s_1(j), &
@@ -320,7 +320,7 @@ contains
         pairs%cell_1 = 0.1_wp
         call set_influences([body, rigid], slices, segments, pairs, whole)
         body%z_low = 0.0_wp
-        body%end_strength = [1.0_wp, 0.0_wp]
+        body%end_strength = spread([1.0_wp, 0.0_wp], 2, 2)
         pairs%n = 6
         pairs%site = pairs%site + 2
         pairs%zone = pairs%zone + 2
@@ -431,7 +431,7 @@ contains
         body%s_high = 5.5_wp
         body%z_low = -2.5_wp
         body%z_high = 2.2_wp
-        body%end_strength = [0.4_wp, 1.3_wp]
+        body%end_strength = spread([0.4_wp, 1.3_wp], 2, 2)
         body%wedge = [0.0_wp, 0.7_wp]
         body%n_axial = 3
         allocate (body%smooth(6, 6, 3), source=0.0_wp)

@@ -413,7 +413,7 @@ contains
         whole = 0.0_wp
         call add_segment_field(body, rigid, segments, 0.1_wp, whole)
         body%z_low = 0.0_wp
-        body%end_strength = [1.0_wp, 0.0_wp]
+        body%end_strength = spread([1.0_wp, 0.0_wp], 2, 2)
         half = 0.0_wp
         call add_segment_field(body, rigid, segments(3:), 0.1_wp, half)
         call expect(all(abs(half - whole(3:, 3:) - whole(3:, 2:1:-1)) < round_off), 'mirror')
