@@ -41,6 +41,7 @@ SMALL: dict[str, Any] = {
     "pair__misalignment_mrad": None,
     "effects__dimension": 3,
 }
+EQUAL = {f"body_{z}__face_width_mm": 16.0 for z in (1, 2)}
 CROWNED, MISALIGNED = {"body_1__lead_crowning_um": 20.0}, {"pair__misalignment_mrad": 3.0}
 TEETH, TORQUE_NMM = 24, 600e3
 
@@ -162,6 +163,48 @@ def test_the_core_solves_the_equations_of_the_slices() -> None:
         left = table[:, COLUMNS.index("gap")]
         np.testing.assert_allclose(left, state.final_gap_angles, atol=SOLVER * gaps.max())
     assert found.counters[:, CORE_COUNTERS.index("pivots")].all()
+
+
+def pressed(wider_um: float, torque_Nm: float, **changes: Any) -> fl.Result:
+    """A coupling whose teeth are wider than the spaces, or narrower."""
+    shift = 0.05 + wider_um / 1000.0 / (2 * 2.0 * np.tan(np.radians(30.0)))
+    keys = {"body_1__profile_shift": shift, "load__torque_Nm": torque_Nm, **EQUAL, **changes}
+    return solve(effects__coast_flank=True, **keys)
+
+
+def test_a_press_fit_carries_on_both_sides_of_its_teeth() -> None:
+    """As in the plane: flanks recede by (S + X) F in preload, (S - X) dF by torque, S F alone."""
+    preload, more, alone = (pressed(*case) for case in ((3.0, 0.0), (3.0, 200.0), (-3.0, 400.0)))
+    assert preload.coast is not None
+    assert more.coast is not None
+    assert alone.coast is not None
+    assert not alone.coast.force_N.any()
+    assert preload.transmission_error_um[0] == pytest.approx(1.5, rel=SOLVER)
+    every = np.concatenate([preload.site_force_N[0], preload.coast.force_N[0]])
+    np.testing.assert_allclose(every, every[0], rtol=SOLVER)
+    base = TEETH * np.cos(np.radians(30.0))
+    part = 200e3 / (2 * TEETH * base)
+    np.testing.assert_allclose(more.site_force_N[0], every[0] + part, rtol=SOLVER)
+    np.testing.assert_allclose(more.coast.force_N[0], every[0] - part, rtol=SOLVER)
+    alike = base * preload.rotation_rad[0] / every[0]
+    opposite = base * (more.rotation_rad[0] - preload.rotation_rad[0]) / part
+    single = base * alone.rotation_rad[0] / alone.site_force_N[0, 0]
+    # on each side, the force is distributed over the height as if this side carried alone
+    assert alike + opposite == pytest.approx(2 * single, rel=2e-4)
+    assert 0.0 < alike < single < opposite
+
+
+def test_half_a_turn_of_a_misaligned_press_fit_exchanges_both_sides() -> None:
+    """About the line of centres, on which a tooth is: the teeth are in the opposite order."""
+    tilted = {"pair__misalignment_mrad": 3.0, "pair__misalignment_direction_deg": 90.0}
+    found = pressed(3.0, 0.0, **tilted)
+    assert found.coast is not None
+    turned_over = -np.arange(TEETH) % TEETH
+    np.testing.assert_allclose(
+        found.coast.force_N[0], found.site_force_N[0, turned_over], rtol=100 * SOLVER
+    )
+    assert np.ptp(found.site_force_N[0]) > 0.1 * found.site_force_N[0].max()
+    assert not any("which this run ignores" in note for note in found.warnings)
 
 
 def test_conforming_slices_refuse_friction_and_finite_forces() -> None:

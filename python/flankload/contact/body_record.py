@@ -102,7 +102,7 @@ def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
     width = contact.face_width_mm if slices is None else 1.0
     compliance = _of_width(contact.compliances[z], width)
     sections = _sections(body, slices, z)
-    parts = _compliance_parts(compliance, _teeth(pairing, z))
+    parts = _compliance_parts(compliance, pairing.teeth_of(z))
     if contact.friction is not None or contact.finite_steps > 0:
         parts += _tangential_parts(compliance, coast=pairing.coast is not None)
     if slices is not None:
@@ -125,21 +125,13 @@ def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyComplianc
     return replace(compliance.with_blocks(lambda part: part / face_width_mm), near=near)
 
 
-def _teeth(pairing: Pairing, z: int) -> NDArray[np.int64]:
-    """(S,) Tooth of body z at each site, working flanks first."""
-    teeth = pairing.site_teeth[z]
-    if pairing.coast is None:
-        return teeth
-    return np.concatenate([teeth, pairing.coast.site_teeth[z]])
-
-
 def _main_arguments(
     contact: FlankContact, compliance: BodyCompliance, z: int, curve: FlankCurve
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
     body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
     angles, deviations = _at_sites(pairing, slices, z)
-    block = compliance.blocks_of_sites(_teeth(pairing, z), pairing.sites.size, body.teeth)
+    block = compliance.blocks_of_sites(pairing.teeth_of(z), pairing.sites.size, body.teeth)
     if slices is not None:
         block = slices.site_blocks(block)
     corners = curve.corners.astype(np.intc)

@@ -55,8 +55,9 @@ def reduced_compliance(contact: FlankContact) -> tuple[Floats, Floats]:
     together = np.linalg.solve(even, equal) if even.any() else equal
     spread: Floats = np.asarray(together / together.sum(), dtype=float)
     one, two = (
-        field.between_sites(spread, teeth)
-        for field, teeth in zip(fields, pairing.site_teeth, strict=True)
+        field.between_sites(spread, pairing.teeth_of(z), pairing.sites.size)
+        for z, field in enumerate(fields)
     )
-    compliance = (one + two).reshape(pairing.sites.size * slices.count, -1)
+    size = one.shape[0] * slices.count
+    compliance = (one + two).reshape(size, size)
     return spread, 0.5 * (compliance + compliance.T)

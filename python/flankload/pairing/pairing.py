@@ -137,6 +137,13 @@ class Pairing:
         """Whether every tooth is a site, so that the last pair is next to pair 0."""
         return self.fit is not None
 
+    def teeth_of(self, z: int) -> NDArray[np.int64]:
+        """(n,) Tooth of body z at each site: working flanks, then coast flanks, if any."""
+        teeth = self.site_teeth[z]
+        if self.coast is None:
+            return teeth
+        return np.concatenate([teeth, self.coast.site_teeth[z]])
+
     def turns(
         self, position_rad: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -46,7 +46,6 @@ PLANE_EFFECTS = {
 #: Further ones of splines, whose slices conform over their height.
 PLANE_EFFECTS_OF_SPLINES = {
     "friction_coefficient": "no friction of splines",
-    "coast_flank": "slices of the working flanks of splines",
     "root_stress": "no root stress of splines over their width",
     "temperature_rise_K": "expansion of splines in the plane only",
 }

@@ -98,12 +98,15 @@ class StripField:
         found += np.einsum("cihjk,j,k->ih", self.corners, self.weight, self.weight)
         return np.asarray(found)
 
-    def between_sites(self, spread: Floats, teeth: Numbers) -> Floats:
-        """Compliance (S, J, S, J) between slices with forces that are distributed over strips."""
+    def between_sites(self, spread: Floats, teeth: Numbers, n_working: int) -> Floats:
+        """Compliance (S, J, S, J) between slices with forces that are distributed over strips.
+
+        `teeth` (S,): teeth of the sites, `n_working` of working flanks, then those of coast flanks.
+        """
         modes = np.einsum("a,jb->jab", spread @ self.along, self.over)
         modes = modes.reshape(len(self.over), -1)
-        blocks = modes @ self.compliance.smooth @ modes.T
-        number = self.compliance.block_of(teeth[:, None], teeth, self.teeth)
+        blocks = modes @ self.compliance.all_blocks()[0] @ modes.T
+        number = self.compliance.blocks_of_sites(teeth, n_working, self.teeth)
         found = blocks[number].transpose(0, 2, 1, 3).copy()
         apart = np.abs(np.arange(spread.size)[:, None] - np.arange(spread.size))
         products = np.bincount(apart.ravel(), weights=np.outer(spread, spread).ravel())

@@ -164,7 +164,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *rim_notes(pair.bodies),
         *spacing_notes(pair.bodies, scene.torques_Nmm, pair.face_width_mm),
         *pair.pairing.warnings,
-        *([] if slices is None else tilt_notes(pair.pairing.fit, slices)),
+        *(() if slices is None or pair.pairing.coast else tilt_notes(pair.pairing.fit, slices)),
         *window_notes,
         *friction_notes(pair.friction, pair.pairing),
         *body_load_notes(scene),
