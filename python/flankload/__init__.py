@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import Prepared, prepare, sensitivity, solve
+    from flankload.api import Prepared, explore, prepare, sensitivity, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         SceneError,
         SingularContact,
     )
+    from flankload.explorer import Explorer
     from flankload.export import write_vtu
     from flankload.result import Result
     from flankload.scene import (
@@ -79,6 +80,7 @@ __all__ = [
     "ContactState",
     "DesignStudy",
     "Effects",
+    "Explorer",
     "FlankTolerances",
     "FlankloadError",
     "Follower",
@@ -114,6 +116,7 @@ __all__ = [
     "__version__",
     "accuracy",
     "errors",
+    "explore",
     "iso_1328",
     "optimise",
     "plan",
@@ -179,6 +182,7 @@ _MODULE_OF_NAME = {
     "Optimum": "studies.optimisation",
     "Prepared": "api",
     "optimise": "studies.optimisation",
+    "explore": "api",
     "prepare": "api",
     "sensitivity": "api",
     "solve": "api",
@@ -191,6 +195,7 @@ _MODULE_OF_NAME = {
     "accuracy": "studies.accuracy",
     "Verification": "studies.verification",
     "verify": "studies.verification",
+    "Explorer": "explorer",
     "write_vtu": "export",
 }
 

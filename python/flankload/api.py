@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from flankload.base.arguments import require
+from flankload.base.optional import optional
 from flankload.scene import scene_of
 from flankload.studies import sensitivity as derivatives
 from flankload.studies.prepared import Prepared, solve_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
+    from flankload.explorer import Explorer
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
     from flankload.scene import SceneLike
@@ -57,6 +58,55 @@ def solve(
     _check_calls(progress=progress)
     require("plan", plan, "a Plan", fits=plan is None or hasattr(plan, "predicted"))
     return solve_scene(scene_of(scene), progress, None, plan=plan)
+
+
+def explore(
+    scene: SceneLike, vary: Sequence[str] = (), *, open_browser: bool = True, port: int = 0
+) -> Explorer:
+    """Open a page in the browser on which sliders change a scene while its results follow.
+
+    Parameters
+    ----------
+    scene : Scene, typed pair, path or mapping
+        As for `solve`.
+    vary : sequence of str, optional
+        Keys with sliders: paths, or PATH=LOW:HIGH with the range of the slider. By default those
+        that designers of such a drive adjust.
+    open_browser : bool
+        Whether the page is opened; otherwise at `Explorer.url`, or as the value of a notebook cell.
+    port : int
+        0: any that is free.
+
+    Returns
+    -------
+    Explorer
+        It runs until `close`, or to the end of a `with` block.
+
+    Raises
+    ------
+    SceneError
+        If the scene is impossible, or a path is no numeric key of it.
+    ImportError
+        Without the package bokeh (pip install 'flankload[explore]').
+    OSError
+        If the port is taken.
+
+    Examples
+    --------
+    >>> with fl.explore("pair.toml", vary=["body_1.tip_relief_um"]) as explorer:
+    ...     explorer.change({"body_1.tip_relief_um": 25})
+    """
+    optional("bokeh.server.server", "flankload.explore", extra="explore")
+    fits = isinstance(vary, Sequence) and not isinstance(vary, str)
+    require("vary", vary, "a sequence of paths", fits=fits)
+    from flankload.explorer import Explorer
+
+    found = Explorer(scene_of(scene), tuple(vary), port)
+    if open_browser:
+        import webbrowser
+
+        webbrowser.open(found.url)
+    return found
 
 
 def prepare(scene: SceneLike) -> Prepared:

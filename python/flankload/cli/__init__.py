@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from flankload.cli.checking import check, schema
 from flankload.cli.designing import optimise, study
+from flankload.cli.exploring import explore
 from flankload.cli.judging import accuracy, benchmark, verify
 from flankload.cli.outputs import drop, say
 from flankload.cli.solving import plan, report, run
@@ -98,7 +99,14 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
     for add in (
-        *(_add_run, _add_report_and_plan, _add_mesh_and_compliance, _add_accuracy, _add_study),
+        *(
+            _add_run,
+            _add_explore,
+            _add_report_and_plan,
+            _add_mesh_and_compliance,
+            _add_accuracy,
+            _add_study,
+        ),
         *(_add_verify, _add_benchmark, _add_optimise, _add_scene, _add_check_and_schema),
     ):
         add(commands)
@@ -175,6 +183,20 @@ def _add_run(commands: Any) -> None:
     )
     add("--cost", "print predicted and actual cost of each stage")
     add("--quiet", "print no table and no progress")
+
+
+def _add_explore(commands: Any) -> None:
+    words = "open a page in the browser whose sliders change a scene while its results follow"
+    add = _command(commands, "explore", explore, words)
+    _add_set(add)
+    add(
+        "--vary PATH[=LOW:HIGH]",
+        "key with a slider, and its range; may be repeated; default: those that designers adjust",
+        **REPEATED,
+    )
+    add("--port N", "port of the page on this machine; default: any that is free", type=int,
+        default=0)  # fmt: skip
+    add("--no-browser", "print the address and open no browser")
 
 
 def _add_report_and_plan(commands: Any) -> None:

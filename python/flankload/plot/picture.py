@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from inspect import cleandoc, signature
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 from matplotlib import rc_context
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from flankload.result import Result
 
-    Results = Result | Sequence[Result]
+    Results: TypeAlias = Result | Sequence[Result]
 
 Function = TypeVar("Function", bound="Callable[..., Any]")
 

@@ -65,8 +65,8 @@ def turning(results: Sequence[Result]) -> Turning:
     """Picture of the loaded bodies at every position; results of all torques have the same ones."""
     result = results[-1]
     drawing = result.drawing
-    shown = _positions(result)
-    low, high = _window(results, shown)
+    shown = positions_of(result)
+    low, high = window(results, shown)
     size = float((high - low).max())
     bodies = zip(
         (drawing.outline_1, drawing.outline_2),
@@ -81,7 +81,7 @@ def turning(results: Sequence[Result]) -> Turning:
     turns = (drawing.angle_1, drawing.angle_2)[: len(outlines)]
     pressure = ("pressure, MPa",) * result.engagement.has_pressures
     heads = (result.words_for_sites[0], "force, kN", "share, %", *pressure)
-    states = [[_state_at(one, p, _scales_of(results), size) for p in shown] for one in results]
+    states = [[_state_at(one, p, scales_of(results), size) for p in shown] for one in results]
     return Turning(
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
         tuple(outlines),
@@ -99,7 +99,7 @@ def turning(results: Sequence[Result]) -> Turning:
     )
 
 
-def _positions(result: Result) -> list[int]:
+def positions_of(result: Result) -> list[int]:
     """Positions in the order of their angles, thinned evenly if there are many."""
     order = np.argsort(result.position_rad, kind="stable")
     return [int(p) for p in order[:: ceil(order.size / MOST_POSITIONS)]]
@@ -122,7 +122,7 @@ def _largest_arrow(result: Result) -> float:
     return ARROW_AROUND if result.whole_circle else ARROW
 
 
-def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats]:
+def window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats]:
     """Corners of the picture: the contacts of all positions, or whole bodies with all arrows."""
     result = results[-1]
     drawing, engagement = result.drawing, result.engagement
@@ -147,7 +147,7 @@ def _window(results: Sequence[Result], shown: list[int]) -> tuple[Floats, Floats
 
 def _contacts(results: Sequence[Result], shown: list[int]) -> Iterator[tuple[Floats, Floats]]:
     """Places (n, 2) of loaded pairs, and the forces of their sites relative to the largest."""
-    largest = _scales_of(results)[0]
+    largest = scales_of(results)[0]
     for one in results:
         for p in shown:
             table = one.pairs(p)
@@ -191,7 +191,7 @@ def _hole(radius: float | None, largest: float) -> str:
     return f"M{-radius:.3f} 0{arc} {2 * radius:.3f} 0{arc} {-2 * radius:.3f} 0Z"
 
 
-def _scales_of(results: Sequence[Result]) -> tuple[float, float]:
+def scales_of(results: Sequence[Result]) -> tuple[float, float]:
     """Largest force, N, and largest pressure off corners, MPa, of all torques."""
     force = max(float(one.site_force_N.max()) for one in results)
     pressure = max(one.summary["peak_pressure_MPa"] or 0.0 for one in results)
@@ -214,9 +214,9 @@ def _state_at(
             corner = bool(result.corner_contact[p, s])
             row.append("corner" if corner else _short(result.peak_pressure_MPa[p, s]))
         rows.append(row)
-        path, tip, out = _path_of_load(result, table, p, s, scales, size_mm)
+        shape, tip, out = load_shape(result, table, p, s, scales, size_mm)
         name = tip + LETTER * size_mm * (out - [0.0, 0.4])
-        paths.append([path, *(round(float(value), 2) for value in name)])
+        paths.append([f"M{_path_text(shape)}Z", *(round(float(value), 2) for value in name)])
     return {
         "te": _short(round(float(result.transmission_error_um[p]), DECIMALS)),
         "pairs": rows,
@@ -224,10 +224,22 @@ def _state_at(
     }
 
 
-def _path_of_load(
+def load_shape(
     result: Result, table: PairTable, p: int, s: int, scales: tuple[float, float], size_mm: float
-) -> tuple[str, Floats, Floats]:
-    """SVG path of the load of a pair, its tip and direction: pressure on the flank, or an arrow."""
+) -> tuple[Floats, Floats, Floats]:
+    """Outline (n, 2) of the load of a pair, its tip and direction: pressure on the flank, or arrow.
+
+    Parameters
+    ----------
+    table : PairTable
+        Of position p.
+    s : int
+        Index of the site, which carries load.
+    scales : (float, float)
+        As of `scales_of`.
+    size_mm : float
+        Of the picture.
+    """
     reach_mm = _largest_arrow(result) * size_mm
     rows = np.flatnonzero((table.site == result.sites[s]) & (table.force_N > 0))
     lumped = table.half_width_mm is not None or table.z_mm is not None
@@ -243,13 +255,12 @@ def _path_of_load(
     order = order[:: max(1, len(order) // MOST_POINTS)]
     height = reach_mm * table.pressure_MPa[rows][order] / scales[1]
     tips = place[order] + normal[order] * height[:, None]
-    tip = tips[int(np.argmax(height))]
-    middle = normal[order][int(np.argmax(height))]
-    return f"M{_path_text(place[order])}L{_path_text(tips[::-1])}Z", tip, middle
+    most = int(np.argmax(height))
+    return np.vstack([place[order], tips[::-1]]), tips[most], normal[order][most]
 
 
-def _arrow(start: Floats, direction: Floats, length: float) -> tuple[str, Floats, Floats]:
-    """SVG path of an arrow with a head of a third of its length, its tip and direction."""
+def _arrow(start: Floats, direction: Floats, length: float) -> tuple[Floats, Floats, Floats]:
+    """Outline of an arrow with a head of a third of its length, its tip and direction."""
     aside = np.array([-direction[1], direction[0]])
     tip = start + length * direction
     neck = start + 0.68 * length * direction
@@ -258,7 +269,7 @@ def _arrow(start: Floats, direction: Floats, length: float) -> tuple[str, Floats
         start + half * aside, neck + half * aside, neck + wide * aside, tip,
         neck - wide * aside, neck - half * aside, start - half * aside,
     ]  # fmt: skip
-    return f"M{_path_text(np.array(corners))}Z", tip, direction
+    return np.array(corners), tip, direction
 
 
 def _short(value: float) -> float | int:

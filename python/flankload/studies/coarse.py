@@ -41,7 +41,7 @@ def coarse(scene: Scene, parts: Parts | None = None) -> Scene:
         values = {} if spacing is None else {ELEMENTS: NODES_APART * spacing}
     level = "slices" if effects_of(scene).three_dimensions else "pairs"
     scene = with_discretization(scene, NamedDiscretization(level, **values))
-    return replace(scene, positions=_few(scene.positions))
+    return replace(scene, positions=few_positions(scene.positions))
 
 
 def _coarser(name: str, value: float, element_mm: float | None) -> float:
@@ -51,11 +51,11 @@ def _coarser(name: str, value: float, element_mm: float | None) -> float:
     return min(value, STEPS[name].coarse)
 
 
-def _few(positions: Positions) -> Positions:
-    """At most `POSITIONS` of the positions, evenly spaced, the first among them."""
+def few_positions(positions: Positions, most: int = POSITIONS) -> Positions:
+    """At most so many of the positions, evenly spaced, the first among them; none adaptive."""
     if positions.angles_deg is not None:
-        every = max(1, -(-len(positions.angles_deg) // POSITIONS))
+        every = max(1, -(-len(positions.angles_deg) // most))
         return structs.replace(positions, angles_deg=positions.angles_deg[::every])
     pitches = 1 if positions.pitches == "hunting" else positions.pitches
-    count = max(1, min(positions.count, POSITIONS // pitches))
+    count = max(1, min(positions.count, most // pitches))
     return structs.replace(positions, count=count, adaptive=False, tolerance=None, max_count=None)

@@ -31,6 +31,7 @@ from flankload.scene.tree import number_at
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.mechanisms.protocol import States
+    from flankload.mechanisms.stage_clock import Progress
     from flankload.scene import Scene
 
     #: Name of a key figure, name of an array of a result, or a function of a result.
@@ -161,7 +162,12 @@ class Sensitivity(Card):
 
 
 def sensitivity(
-    scene: Scene, paths: Sequence[str], parts: Parts | None = None, *, first_order: bool = False
+    scene: Scene,
+    paths: Sequence[str],
+    parts: Parts | None = None,
+    *,
+    first_order: bool = False,
+    progress: Progress | None = None,
 ) -> Sensitivity:
     """Derivatives of all results of a scene with respect to some of its keys.
 
@@ -177,6 +183,8 @@ def sensitivity(
     first_order : bool
         Whether states that must be solved completely are solved on one side only, which halves
         their number: the error of a derivative is then the step, 1e-4, instead of its square.
+    progress : callable, optional
+        As of `flankload.solve`, called by each run.
 
     Returns
     -------
@@ -191,13 +199,17 @@ def sensitivity(
     parts = Parts() if parts is None else parts
     begin = time.process_time()
     states: list[States] = []
-    results = run_once(scene, on_states=states.append, earlier=Earlier(parts=parts))
+    results = run_once(
+        scene, progress=progress, on_states=states.append, earlier=Earlier(parts=parts)
+    )
     plain = scene.replace({"accuracy.estimate": False, "accuracy.tangents": False})
     solved = time.process_time()
 
     def continued(changes: dict[str, float]) -> tuple[Result, ...]:
         earlier = Earlier(parts=parts, similar=states[0])
-        beside = run_once(plain.replace(changes), on_states=states.append, earlier=earlier)
+        beside = run_once(
+            plain.replace(changes), progress=progress, on_states=states.append, earlier=earlier
+        )
         return tuple(map(_with_corners_of, results, beside))
 
     # complete states beside the scene differ from its own; continued ones from continued ones

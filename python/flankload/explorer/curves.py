@@ -1,0 +1,146 @@
+"""The pictures of a result as columns: curves, bars, maps, and the bodies with their loads.
+
+None depends on the kind of drive: a picture has no columns where a result has no data for it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.base.rotation import all_around, directions
+from flankload.plot.load_maps import contact_pattern
+from flankload.plot.picture import of_largest_force
+from flankload.plot.positions import curve, lifted, places_on_way, through_uneven, way_curve
+from flankload.report.turning import OFF, load_shape, positions_of, scales_of, thinned, window
+
+if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
+    from flankload.result import Result
+
+    Columns = dict[str, Any]
+
+#: Columns and rows of a map.
+MAP = (160, 80)
+#: Points of the circle of a bore.
+CIRCLE = 120
+#: Mesh orders of a spectrum.
+ORDERS = 5
+
+
+def curves_of(result: Result) -> dict[str, Columns]:
+    """Columns of the curves and bars of a result, by name of the picture.
+
+    `x` and `y`; the pressure also `corner`, its values on sharp corners, which mean nothing.
+    """
+    known = result.engagement.pictures(result)
+    found: dict[str, Columns] = {}
+    if "transmission_error" in known and result.position_rad.size > 1:
+        error = result.transmission_error_um
+        found["error"] = _columns(through_uneven(result, error) or curve(result, error))
+    if "load_sharing" in known:
+        place, share = way_curve(result, 100.0 * result.load_share)
+        found["share"] = _columns((place, lifted(share)))
+    if "peak_pressure" in known:
+        place, pressure = way_curve(result, result.peak_pressure_MPa)
+        on_corner = way_curve(result, result.corner_contact.astype(float))[1] > 0
+        pressure = lifted(pressure)
+        found["pressure"] = _columns((place, np.where(on_corner, np.nan, pressure)))
+        found["pressure"]["corner"] = np.where(on_corner, pressure, np.nan)
+    if "transmission_error_spectrum" in known:
+        orders = result.key_figures["transmission_error_mesh_harmonics_um"] or []
+        found["spectrum"] = _columns((np.arange(1.0, 1 + len(orders)), np.array(orders)))
+    if "load_sharing" not in known and result.sites.size > 1:
+        force = result.site_force_N[of_largest_force(result)]
+        found["sites"] = _columns((1.0 * result.sites, force))
+    return found
+
+
+def maps_of(result: Result) -> dict[str, Columns]:
+    """Columns of the maps of a three-dimensional result: `image`, its place and its size."""
+    slices = result.slices
+    if slices is None or not result.site_force_N.any():
+        return {}
+    ends = slices.z_mm[0] - 0.5 * slices.width_mm[0], slices.z_mm[-1] + 0.5 * slices.width_mm[-1]
+    found = {}
+    if "contact_pattern" in result.engagement.pictures(result):
+        diameter, pressure = contact_pattern(result, 1)
+        found["pattern"] = _map(slices.z_mm, diameter, pressure.T, ends)
+    place = places_on_way(result)
+    order = np.argsort(place, axis=None, kind="stable")
+    load = slices.line_load_N_per_mm.reshape(-1, slices.z_mm.size)[order]
+    carries = load.any(axis=1)
+    found["line_load"] = _map(place.ravel()[order][carries], slices.z_mm, load[carries], None, ends)
+    return found
+
+
+def _map(
+    x: Floats,
+    y: Floats,
+    values: Floats,
+    x_ends: tuple[float, float] | None = None,
+    y_ends: tuple[float, float] | None = None,
+) -> Columns:
+    """Image of values (x, y) on an even grid: each point has the value of the nearest place."""
+    (left, right), (low, high) = x_ends or (x.min(), x.max()), y_ends or (y.min(), y.max())
+    nearest = []
+    for places, ends, count in ((x, (left, right), MAP[0]), (y, (low, high), MAP[1])):
+        order = np.argsort(places, kind="stable")
+        middle = 0.5 * (places[order][1:] + places[order][:-1])
+        step = (ends[1] - ends[0]) / count
+        at = ends[0] + step * (np.arange(count) + 0.5)
+        nearest.append(order[np.searchsorted(middle, at)])
+    image = values[np.ix_(*nearest)].T
+    return {
+        "image": [np.where(image > 0, image, np.nan).astype(np.float32)],
+        "x": [left], "y": [low], "dw": [right - left], "dh": [high - low],
+    }  # fmt: skip
+
+
+def window_of(result: Result) -> Floats:
+    """(2, 2) Lower left and upper right corner of the picture of the bodies, mm."""
+    return np.array(window([result], positions_of(result)))
+
+
+def bodies_of(result: Result, part: float, corners: Floats) -> dict[str, Columns]:
+    """Both bodies and their loads at a position, given as part of the range of positions.
+
+    `body_1` and `body_2` are areas, `edges` their contours, `loads` the areas of the loads;
+    `corners` are those of `window_of`.
+    """
+    p = position_at(result, part)
+    size = float(np.ptp(corners, axis=0).max())
+    drawing = result.drawing
+    bodies = (
+        (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], drawing.bore_radius_1_mm, 0.0),
+        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.bore_radius_2_mm, 1.0),
+    )[: result.engagement.drawn_bodies]
+    found, edges = {}, []
+    for z, (outline, teeth, angle, hole_mm, apart) in enumerate(bodies, start=1):
+        center = np.array([apart * drawing.center_distance_mm, 0.0])
+        contour = center + all_around(thinned(outline, OFF * size), teeth, angle)
+        contour = np.vstack([contour, contour[:1]])
+        circle = center + (hole_mm or 0.0) * directions(np.linspace(0, -2 * np.pi, CIRCLE))
+        found[f"body_{z}"] = _columns(np.vstack([contour, circle]).T)
+        edges += [contour, np.full((1, 2), np.nan), circle, np.full((1, 2), np.nan)]
+    found["edges"] = _columns(np.vstack(edges).T)
+    table, scales = result.pairs(p), scales_of([result])
+    shapes = [
+        load_shape(result, table, p, int(s), scales, size)[0]
+        for s in np.flatnonzero(result.site_force_N[p] > 0)
+    ]
+    found["loads"] = {"xs": [shape[:, 0] for shape in shapes],
+                      "ys": [shape[:, 1] for shape in shapes]}  # fmt: skip
+    return found
+
+
+def position_at(result: Result, part: float) -> int:
+    """Index of the position at a part of their range."""
+    order = positions_of(result)
+    return order[min(int(part * len(order)), len(order) - 1)]
+
+
+def _columns(pair: Any) -> Columns:
+    x, y = pair
+    return {"x": np.asarray(x, dtype=float), "y": np.asarray(y, dtype=float)}

@@ -1,0 +1,369 @@
+"""A page of an explorer: its widgets and pictures, and what they show of an answer.
+
+The page acknowledges each answer when it is painted; until then only the newest one waits, so that
+pictures never follow the hand by more than one answer.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from html import escape
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any
+
+from bokeh.layouts import column, row
+from bokeh.models import ColumnDataSource, CustomJS, InlineStyleSheet
+from bokeh.models.widgets.buttons import Button, Toggle
+from bokeh.models.widgets.inputs import Select, Spinner
+from bokeh.models.widgets.markups import Div
+from bokeh.models.widgets.sliders import Slider
+
+from flankload.explorer import tables
+from flankload.explorer.curves import bodies_of, curves_of, maps_of, position_at, window_of
+from flankload.explorer.pictures import Bodies, Trail, pictures
+
+if TYPE_CHECKING:
+    from bokeh.document import Document
+
+    from flankload.base.arrays import Floats
+    from flankload.explorer.explorer import Explorer
+    from flankload.explorer.keys import Key
+    from flankload.explorer.worker import Answer
+    from flankload.result import Result
+
+#: Milliseconds between two positions while the bodies turn.
+PLAY_MS = 150
+#: Steps of the slider of the position.
+PLACES = 64
+#: After an answer is drawn, its number is returned.
+PAINTED = """
+const number = sent.data.number;
+requestAnimationFrame(() => setTimeout(() => {
+  window.flankload_painted = number[0];
+  painted.data = {number: [number[0]]};
+}, 0));
+"""
+COPY = """
+fetch("scene.toml", {cache: "no-store"}).then(answer => answer.text()).then(text => {
+  window.flankload_copied = text;
+  return navigator.clipboard.writeText(text);
+}).then(() => {
+  cb_obj.label = "copied";
+  setTimeout(() => { cb_obj.label = "copy scene"; }, 1500);
+}).catch(() => window.open("scene.toml"));
+"""
+
+
+class Page:
+    """One page in a browser; all methods run in the thread of the server, those with `soon` in any.
+
+    Parameters
+    ----------
+    explorer : Explorer
+    document : bokeh.document.Document
+    """
+
+    def __init__(self, explorer: Explorer, document: Document) -> None:
+        self._explorer, self._document = explorer, document
+        self._sheet = InlineStyleSheet(css=_text("widgets.css"))
+        self._values: dict[str, float] = {}
+        self._inputs: dict[str, tuple[Slider, Spinner, Div]] = {}
+        self._setting = self._open = True
+        self._newest = self._painted_number = self._sent = 0
+        self._waiting: dict[bool, Answer] = {}
+        self._shown: Answer | None = None
+        self._pinned: Answer | None = None
+        self._corners: Floats | None = None
+        self._derived: Answer | None = None
+        self._pictures, self._bodies, self._trail = pictures(), Bodies(), Trail(self._go)
+        self._sent_source = ColumnDataSource({"number": [0]})
+        painted = ColumnDataSource({"number": [0]})
+        drawn = CustomJS(args={"sent": self._sent_source, "painted": painted}, code=PAINTED)
+        self._sent_source.js_on_change("data", drawn)
+        document.js_on_event("document_ready", drawn)
+        painted.on_change("data", self._on_painted)
+        document.add_root(self._named("status", self._status_bar()))
+        self._status.tags = [self._sent_source, painted]  # parts of the document
+        document.add_root(self._named("keys", column(
+            *(self._key(key) for key in explorer.shown), self._more(), sizing_mode="stretch_width",
+        )))  # fmt: skip
+        document.add_root(self._named("buttons", self._buttons()))
+        for name, picture in self._pictures.items():
+            document.add_root(self._named(name, picture.figure))
+        document.add_root(self._named("bodies", self._turning()))
+        document.add_root(self._named("trail", self._trail_column()))
+        self._table = Div(stylesheets=[self._sheet], sizing_mode="stretch_width")
+        document.add_root(self._named("figures", self._table))
+        document.template = _text("page.html")
+        document.template_variables.update(
+            name=explorer.scene.name, style=_text("style.css"), pictures=list(self._pictures)
+        )
+        document.title = f"{explorer.scene.name} · flankload"
+        document.on_session_destroyed(self._left)
+        self._setting = False
+        self.mark()
+
+    # --- answers ----------------------------------------------------------------------------------
+    def take_soon(self, answer: Answer) -> None:
+        """Show an answer, from another thread."""
+        self._soon(partial(self.take, answer))
+
+    def mark_soon(self) -> None:
+        """Mark the keys that reach the elements, from another thread."""
+        self._soon(self.mark)
+
+    def progress(self, stage: str, done: int, total: int) -> None:
+        """Show the progress of long work, from another thread."""
+        if stage.startswith("compliance") or stage in ("optimise", "plan"):
+            self._soon(partial(self._show_progress, stage, done, total))
+
+    def take(self, answer: Answer) -> None:
+        """Show an answer, unless a newer one is shown; later if the page is still painting."""
+        number = answer.request.number
+        if number < self._newest or (number < self._sent):
+            return
+        self._newest = number
+        if self._painted_number < self._sent and answer.sensitivity is None:
+            self._waiting[False] = answer
+            return
+        self._show(answer)
+
+    def mark(self) -> None:
+        """Mark the keys that reach the elements: their sliders act when they are released."""
+        derived = self._derived
+        current = derived is not None and derived.request.number >= self._newest
+        found = derived.sensitivity if derived is not None and current else None
+        effects = tables.effects(self._explorer.keys, self._select.value, found)
+        for path, (_, _, name) in self._inputs.items():
+            key, reaching = self._explorer.keys[path], path in self._explorer.reaching
+            text = tables.key_name(key, effects.get(path, ("", 0.0)), reaching=reaching)
+            if name.text != text:
+                name.text = text
+
+    def _on_painted(self, attr: str, old: Any, new: Any) -> None:
+        self._painted_number = max(self._painted_number, int(new["number"][0]))
+        if self._waiting:
+            self._show(self._waiting.pop(False))
+
+    def _show(self, answer: Answer) -> None:
+        """Show an answer: everything of it at once."""
+        self._document.hold("combine")
+        try:
+            if answer.sensitivity is not None:
+                self._derived = answer
+                self.mark()
+                return
+            self._sent += 1
+            self._shown = answer
+            if answer.request.source is not self:
+                self._set_values(answer)
+            if answer.at_rest and answer.result is not None and self._pinned is None:
+                self._pin()
+            self._draw(answer.result)
+            self._status.text = tables.status(answer)
+            self._status.css_classes = ["broken"] if answer.error else []
+            if answer.at_rest and answer.result is not None:
+                self._trail.show(self._explorer.trail, self._select.value, self._against.value)
+            self._sent_source.data = {"number": [self._sent]}
+        finally:
+            self._document.unhold()
+
+    def _draw(self, result: Result | None) -> None:
+        """Pictures and figures of a result; nothing of an older one remains."""
+        columns = {} if result is None else {**curves_of(result), **maps_of(result)}
+        for name, picture in self._pictures.items():
+            picture.show(columns.get(name), result)
+        if result is not None:
+            assert self._shown is not None
+            if self._shown.at_rest or self._corners is None:
+                self._corners = window_of(result)
+            self._offer(result)
+        self._draw_bodies()
+        pinned = self._pinned.result if self._pinned else None
+        self._table.text = tables.figures(result, pinned, self._shown)
+
+    def _draw_bodies(self) -> None:
+        result = self._shown.result if self._shown else None
+        if result is None or self._corners is None:
+            self._bodies.clear()
+            return
+        part = self._place.value / PLACES
+        degrees = result.position_deg[position_at(result, part)]
+        self._bodies.show(bodies_of(result, part, self._corners), self._corners, degrees)
+
+    def _offer(self, result: Result) -> None:
+        """Figures that the result has, to choose from."""
+        known = tables.choices(result)
+        if known != self._select.options:
+            self._select.options = self._against.options = known
+            names = [name for name, _ in known]
+            if self._select.value not in names and names:
+                self._select.value, self._against.value = names[0], names[min(2, len(names) - 1)]
+
+    def _set_values(self, answer: Answer) -> None:
+        """Sliders at the values of a design that the page did not ask for."""
+        self._setting = True
+        self._values = dict(answer.request.values)
+        for path, (slider, spinner, _) in self._inputs.items():
+            value = self._values.get(path, self._explorer.keys[path].value)
+            slider.start, slider.end = min(slider.start, value), max(slider.end, value)
+            slider.value = spinner.value = value
+        self._setting = False
+
+    def _show_progress(self, stage: str, done: int, total: int) -> None:
+        words = "elements" if stage.startswith("compliance") else stage
+        self._status.text = f"{escape(words)}: {100 * done // max(total, 1)} %"
+
+    # --- widgets ----------------------------------------------------------------------------------
+    def _key(self, key: Key) -> Any:
+        """Slider, typed value and reset of a key, below its name."""
+        styles = [self._sheet]
+        name = Div(stylesheets=styles, sizing_mode="stretch_width")
+        slider = Slider(
+            start=key.low, end=key.high, step=key.step, value=key.value, show_value=False,
+            title=None, stylesheets=styles, sizing_mode="stretch_width", tooltips=False,
+        )  # fmt: skip
+        spinner = Spinner(value=key.value, step=key.step, width=90, stylesheets=styles)
+        reset = Button(label="↺", width=32, stylesheets=styles)
+        for one, other in ((slider, spinner), (spinner, slider)):
+            code = "if (this.value != null) other.value = this.value"
+            one.js_on_change("value", CustomJS(args={"other": other}, code=code))
+        self._inputs[key.path] = (slider, spinner, name)
+        spinner.on_change("value", partial(self._on_value, key.path))
+        for one in (slider, spinner):
+            one.on_change("value_throttled", partial(self._on_release, key.path))
+        reset.on_click(partial(self._reset, key.path))
+        inputs = row(slider, spinner, reset, sizing_mode="stretch_width")
+        return column(name, inputs, sizing_mode="stretch_width")
+
+    def _more(self) -> Select:
+        """A key that has no slider yet."""
+        others = [("", "another key …")]
+        others += [(path, f"{key.name}, {key.unit}") for path, key in self._explorer.keys.items()]
+        more = Select(options=others, stylesheets=[self._sheet], sizing_mode="stretch_width")
+        more.on_change("value", self._on_more)
+        return more
+
+    def _status_bar(self) -> Div:
+        self._status = Div(text="elements …", stylesheets=[self._sheet],
+                           sizing_mode="stretch_width")  # fmt: skip
+        return self._status
+
+    def _buttons(self) -> Any:
+        made = {}
+        for label, action in (
+            ("pin", self._pin_shown), ("undo", self._explorer.undo), ("optimise", self._optimise),
+            ("copy scene", None), ("report", None), ("close", self._explorer.close_soon),
+        ):  # fmt: skip
+            made[label] = Button(label=label, name=label, stylesheets=[self._sheet])
+            if action is not None:
+                made[label].on_click(action)
+        made["copy scene"].js_on_click(CustomJS(code=COPY))
+        made["report"].js_on_click(CustomJS(code='window.open("report")'))
+        return row(*made.values(), styles={"flex-wrap": "wrap"})
+
+    def _turning(self) -> Any:
+        """The bodies with the slider of their position."""
+        self._place = Slider(start=0, end=PLACES - 1, value=0, step=1, title=None, show_value=False,
+                             tooltips=False, stylesheets=[self._sheet], name="position",
+                             sizing_mode="stretch_width")  # fmt: skip
+        self._place.on_change("value", lambda attr, old, new: self._draw_bodies())
+        play = Toggle(label="▶", width=40, stylesheets=[self._sheet], name="play")
+        play.on_change("active", self._on_play)
+        line = row(play, self._place, sizing_mode="stretch_width")
+        return column(self._bodies.figure, line, sizing_mode="stretch_width")
+
+    def _trail_column(self) -> Any:
+        options = {"stylesheets": [self._sheet], "sizing_mode": "stretch_width"}
+        self._select = Select(title="figure", name="figure", **options)
+        self._against = Select(title="and", name="against", **options)
+        for select in (self._select, self._against):
+            select.on_change("value", self._on_figure)
+        line = row(self._select, self._against, sizing_mode="stretch_width")
+        return column(self._trail.figure, line, sizing_mode="stretch_width")
+
+    # --- events -----------------------------------------------------------------------------------
+    def _on_value(self, path: str, attr: str, old: Any, new: Any) -> None:
+        if path not in self._explorer.reaching:
+            self._ask(path, new, moves=True)
+
+    def _on_release(self, path: str, attr: str, old: Any, new: Any) -> None:
+        if path in self._explorer.reaching:
+            self._ask(path, new, moves=False)
+
+    def _ask(self, path: str, value: Any, *, moves: bool) -> None:
+        if self._setting or value is None or isinstance(value, str):
+            return
+        number = self._explorer.keys[path].number(value) if value == value else value
+        if self._values.get(path, self._explorer.keys[path].value) != number:
+            self._values[path] = number
+            self._explorer.ask(self._values, moves=moves, source=self)
+
+    def _reset(self, path: str) -> None:
+        self._values.pop(path, None)
+        self._explorer.ask(self._values)
+
+    def _on_more(self, attr: str, old: Any, new: str) -> None:
+        if new and new not in self._inputs:
+            keys = self._document.get_model_by_name("keys")
+            assert keys is not None
+            keys.children.insert(-1, self._key(self._explorer.keys[new]))
+            self.mark()
+
+    def _on_figure(self, attr: str, old: Any, new: str) -> None:
+        self._trail.show(self._explorer.trail, self._select.value, self._against.value)
+        self.mark()
+
+    def _on_play(self, attr: str, old: Any, new: bool) -> None:
+        if new:
+            self._turn = self._document.add_periodic_callback(self._next_place, PLAY_MS)
+        else:
+            self._document.remove_periodic_callback(self._turn)
+
+    def _next_place(self) -> None:
+        self._place.value = (self._place.value + 1) % PLACES
+
+    def _pin_shown(self) -> None:
+        if self._shown is not None and self._shown.result is not None:
+            self._pin()
+            self._draw(self._shown.result)
+
+    def _pin(self) -> None:
+        """Keep the curves that are shown behind those to come."""
+        assert self._shown is not None
+        assert self._shown.result is not None
+        self._pinned = self._shown
+        for name, columns in curves_of(self._shown.result).items():
+            self._pictures[name].pin(columns)
+
+    def _optimise(self) -> None:
+        if not self._select.value:
+            return
+        self._explorer.optimise(self._select.value).add_done_callback(self._optimised)
+
+    def _optimised(self, future: Any) -> None:
+        if not future.cancelled() and (error := future.exception()) is not None:
+            self._soon(partial(self._say, f"optimise: {error}"))
+
+    def _say(self, line: str) -> None:
+        self._status.text = f'<span class="line">{escape(line)}</span>'
+
+    def _go(self, values: dict[str, float]) -> None:
+        """Go to a design of the trail."""
+        self._explorer.ask(values)
+
+    def _left(self, session: Any) -> None:
+        self._open = False
+        self._explorer.leave(self)
+
+    def _soon(self, call: Any) -> None:
+        if self._open:
+            self._document.add_next_tick_callback(call)
+
+    def _named(self, name: str, model: Any) -> Any:
+        model.name = name
+        return model
+
+
+def _text(name: str) -> str:
+    return files("flankload.explorer").joinpath(name).read_text(encoding="utf-8")

@@ -1,0 +1,259 @@
+"""The explorer without a browser: keys, runs, handle, gate, command."""
+
+import http.client
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+import flankload as fl
+from flankload.explorer.keys import keys_of, shown_keys
+from flankload.explorer.pictures import pareto
+from flankload.explorer.worker import Answer, Request, Worker
+from tests.support.paths import SCENES
+
+NAME = "external_gear"
+RELIEF = {"body_1.tip_relief_um": 20, "body_2.tip_relief_um": 15}
+TORQUE = {"load.torque_Nm": 200.0}
+
+
+def scene_of(name: str = NAME) -> fl.Scene:
+    scene = fl.read_scene(SCENES / f"{name}.toml")
+    return scene.replace({"accuracy.estimate": False})
+
+
+@pytest.fixture(scope="module")
+def explorer() -> Iterator[Any]:
+    with fl.explore(scene_of(), open_browser=False) as found:
+        yield found
+
+
+def answer_of(url: str, path: str | None = None, **headers: str) -> int:
+    parts = urlsplit(url)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=30)
+    connection.request("GET", parts.path if path is None else path, headers=headers)
+    status = connection.getresponse().status
+    connection.close()
+    return status
+
+
+# --- keys -----------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", sorted(path.stem for path in SCENES.glob("*.toml")))
+def test_every_scene_has_sliders_whose_ends_its_schema_allows(name: str) -> None:
+    scene = fl.read_scene(SCENES / f"{name}.toml")
+    keys = keys_of(scene)
+    shown = shown_keys(scene, keys, ())
+    assert shown[0].path == "load.torque_Nm"
+    assert len(shown) >= 3
+    for key in shown:
+        assert key.low <= key.value <= key.high, key
+        assert key.low < key.high
+        assert key.meaning
+
+
+def test_a_range_that_is_asked_for_is_that_of_the_slider() -> None:
+    scene = scene_of()
+    (key,) = shown_keys(scene, keys_of(scene), ["pair.center_distance_mm=91:92"])
+    assert (key.low, key.high, key.step) == (91.0, 92.0, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("asked", "line"),
+    [
+        ("body_1.tip", "vary: expected a numeric key of the scene, found 'body_1.tip'"),
+        ("body_1.kind", "vary: expected a numeric key of the scene, found 'body_1.kind'"),
+        ("load.torque_Nm=3:1", "vary.load.torque_Nm: expected two ascending numbers, LOW:HIGH, "
+         "found '3:1'"),
+        ("load.torque_Nm=0:nan", "vary.load.torque_Nm: expected two ascending numbers, LOW:HIGH, "
+         "found '0:nan'"),
+    ],
+)  # fmt: skip
+def test_a_slider_that_is_impossible_is_refused(asked: str, line: str) -> None:
+    with pytest.raises(fl.SceneError) as caught:
+        fl.explore(scene_of(), [asked], open_browser=False)
+    assert str(caught.value) == line
+
+
+# --- handle ---------------------------------------------------------------------------------------
+def test_a_change_has_the_bits_of_a_prepared_scene(explorer: Any) -> None:
+    changed = explorer.change(TORQUE)
+    expected = fl.prepare(scene_of()).solve(TORQUE)
+    assert changed.transmission_error_um.tobytes() == expected.transmission_error_um.tobytes()
+    assert changed.peak_pressure_MPa.tobytes() == expected.peak_pressure_MPa.tobytes()
+    assert explorer.result is changed
+    assert explorer.scene.load.torque_Nm == 200.0
+
+
+def test_a_relief_that_the_scene_lacks_begins_at_the_end_of_single_contact(explorer: Any) -> None:
+    changed = explorer.change(RELIEF)
+    assert explorer.scene.body_1.tip_relief_length == "long"
+    expected = fl.solve(explorer.scene)
+    assert changed.transmission_error_um.tobytes() == expected.transmission_error_um.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("values", "line"),
+    [
+        ({"body_1.color": 3}, "body_1.color: expected a numeric key of the scene"),
+        ({"name": 3}, "name: expected a numeric key of the scene"),
+        ({"accuracy.modes": 5}, "accuracy.modes: expected a numeric key of the scene"),
+        ({"load.torque_Nm": float("nan")}, "load.torque_Nm: expected a finite number"),
+        ({"load.torque_Nm": "5"}, "load.torque_Nm: expected a finite number"),
+        ({"load.torque_Nm": -1}, "load.torque_Nm: expected a number from 0 to 1e+12"),
+        ({"body_1.teeth": 16.5}, "body_1.teeth: expected an integer from 3 to 10000"),
+    ],
+)
+def test_a_wrong_change_is_refused_and_changes_nothing(
+    explorer: Any, values: dict[str, Any], line: str
+) -> None:
+    before = explorer.scene
+    with pytest.raises(fl.SceneError) as caught:
+        explorer.change(values)
+    assert line in str(caught.value)
+    assert explorer.scene is before
+
+
+def test_a_broken_premise_is_the_error_of_the_change(explorer: Any) -> None:
+    with pytest.raises(fl.PremiseError):
+        explorer.change({"load.torque_Nm": 3e4})
+    assert explorer.change(TORQUE).torque_Nm == 200.0
+
+
+def test_a_notebook_shows_the_page(explorer: Any) -> None:
+    assert f'<iframe src="{explorer.url}"' in explorer._repr_html_()
+
+
+def test_closing_leaves_no_thread_and_no_address() -> None:
+    before = set(threading.enumerate())
+    one = fl.explore(scene_of(), open_browser=False)
+    two = fl.explore(scene_of(), open_browser=False)
+    assert one.url != two.url
+    assert answer_of(one.url) == answer_of(two.url) == 200
+    assert one.change(TORQUE).torque_Nm == 200.0
+    one.close()
+    assert answer_of(two.url) == 200
+    assert two.scene.load.torque_Nm == 302.0
+    two.close()
+    two.close()
+    assert set(threading.enumerate()) <= before
+    with pytest.raises(OSError, match="refused"):
+        answer_of(two.url)
+    with pytest.raises(fl.FlankloadError, match=r"^the explorer is closed$"):
+        two.change(TORQUE)
+
+
+# --- worker ---------------------------------------------------------------------------------------
+def test_a_burst_ends_with_the_newest_request_and_never_goes_back() -> None:
+    scene = scene_of()
+    told: list[Answer] = []
+    worker = Worker(scene, keys_of(scene), told.append, lambda *_: None)
+    worker.start()
+    for number in range(1, 101):
+        changed = scene.replace({"load.torque_Nm": 200.0 + number})
+        worker.ask(Request(number, {"load.torque_Nm": 200.0 + number}, changed, moves=True))
+        time.sleep(0.002)
+    end = time.monotonic() + 30
+    while not (told and told[-1].at_rest) and time.monotonic() < end:
+        time.sleep(0.01)
+    worker.close()
+    numbers = [answer.request.number for answer in told]
+    assert numbers == sorted(numbers)
+    last = told[-1]
+    assert (numbers[-1], last.error, len(numbers) < 100) == (100, "", True)
+    expected = fl.prepare(scene).solve({"load.torque_Nm": 300.0})
+    assert last.result is not None
+    assert last.result.transmission_error_um.tobytes() == expected.transmission_error_um.tobytes()
+
+
+def test_keys_that_reach_the_elements_are_known() -> None:
+    scene = scene_of()
+    paths = ["body_1.tip_relief_um", "body_1.bore_diameter_mm", "load.torque_Nm"]
+    worker = Worker(scene, keys_of(scene), lambda _: None, lambda *_: None)
+    worker.derived_keys = shown_keys(scene, keys_of(scene), paths)
+    assert worker.reaching(lambda *_: None) == {"body_1.bore_diameter_mm"}
+
+
+def test_the_front_of_designs_has_those_that_no_other_beats() -> None:
+    points = np.array([[3.0, 1.0], [1.0, 3.0], [2.0, 2.0], [2.0, 2.5], [3.0, 3.0]])
+    assert pareto(points) == [1, 2, 0]
+
+
+# --- gate -----------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("path", "headers", "status"),
+    [
+        (None, {}, 200),
+        ("/", {}, 403),
+        ("/wrong-token/", {}, 403),
+        ("/static/js/bokeh.min.js", {}, 403),
+        (None, {"Host": "evil.example"}, 403),
+        (None, {"Host": "127.0.0.1:1"}, 403),
+        (None, {"Origin": "http://evil.example"}, 403),
+        (None, {"Origin": "null"}, 403),
+    ],
+)
+def test_the_gate_refuses_other_hosts_origins_and_tokens(
+    explorer: Any, path: str | None, headers: dict[str, str], status: int
+) -> None:
+    assert answer_of(explorer.url, path, **headers) == status
+
+
+@pytest.mark.parametrize(
+    ("token", "headers"),
+    [
+        ("wrong-token", {}),
+        (None, {"Origin": "http://evil.example"}),
+        (None, {"Host": "evil.example"}),
+    ],
+)
+def test_the_gate_refuses_foreign_websockets(
+    explorer: Any, token: str | None, headers: dict[str, str]
+) -> None:
+    path = urlsplit(explorer.url).path if token is None else f"/{token}/"
+    upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13",
+               "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ=="}  # fmt: skip
+    assert answer_of(explorer.url, f"{path}ws", **upgrade, **headers) == 403
+
+
+def test_report_and_scene_of_the_design_are_files_of_the_page(explorer: Any) -> None:
+    explorer.change({"load.torque_Nm": 123.0})
+    parts = urlsplit(explorer.url)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=60)
+    connection.request("GET", f"{parts.path}scene.toml")
+    assert "torque_Nm = 123.0" in connection.getresponse().read().decode()
+    connection.request("GET", f"{parts.path}report")
+    assert "123 N m" in connection.getresponse().read().decode()
+    connection.close()
+
+
+# --- command --------------------------------------------------------------------------------------
+def test_the_command_prints_its_address_and_ends_with_ctrl_c() -> None:
+    path = SCENES / f"{NAME}.toml"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "flankload", "explore", str(path), "--no-browser"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert process.stdout is not None
+    url = process.stdout.readline().strip()
+    assert answer_of(url) == 200
+    os.kill(process.pid, signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert (process.returncode, out, errors) == (0, "", "")
+    with pytest.raises(OSError, match="refused"):
+        answer_of(url)
+
+
+def test_a_missing_extra_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "bokeh.server.server", None)
+    with pytest.raises(ImportError) as caught:
+        fl.explore(scene_of())
+    line = "flankload.explore needs the package bokeh: pip install 'flankload[explore]'"
+    assert str(caught.value) == line
