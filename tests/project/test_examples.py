@@ -29,6 +29,7 @@ def printed_by(run: object) -> str:
         "README.md",
         "docs/guide/contact_problems.md",
         "docs/guide/derivatives.md",
+        "docs/guide/explorer.md",
         "docs/guide/notebooks.md",
         "docs/guide/optimisation.md",
         "docs/guide/pictures.md",

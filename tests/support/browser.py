@@ -15,7 +15,8 @@ import pytest
 
 #: Function of the page that finds elements also inside those of components.
 DEEP = """window.deep = (query, root = document) => [...root.querySelectorAll(query),
-  ...[...root.querySelectorAll("*")].flatMap(e => e.shadowRoot ? deep(query, e.shadowRoot) : [])];"""
+  ...[...root.querySelectorAll("*")].flatMap(
+    e => e.shadowRoot ? deep(query, e.shadowRoot) : [])];"""
 #: Seconds until a condition must be met.
 PATIENCE_S = 20.0
 
@@ -104,8 +105,13 @@ class Browser:
 
     def failures(self) -> list[Any]:
         """Errors of scripts."""
-        return [e for e in self.events if e["method"] == "Runtime.exceptionThrown"
-                or (e["method"] == "Runtime.consoleAPICalled" and e["params"]["type"] == "error")]  # fmt: skip
+        consoles = ("Runtime.consoleAPICalled", "error")
+        return [
+            event
+            for event in self.events
+            if event["method"] == "Runtime.exceptionThrown"
+            or (event["method"], event["params"].get("type")) == consoles
+        ]
 
     def picture(self, path: Path) -> None:
         """Write a picture of the whole page."""

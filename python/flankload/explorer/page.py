@@ -21,6 +21,7 @@ from bokeh.models.widgets.sliders import Slider
 from flankload.explorer import tables
 from flankload.explorer.curves import bodies_of, curves_of, maps_of, position_at, window_of
 from flankload.explorer.pictures import Bodies, Trail, pictures
+from flankload.mechanisms.stage_clock import ELEMENTS
 
 if TYPE_CHECKING:
     from bokeh.document import Document
@@ -114,7 +115,7 @@ class Page:
 
     def progress(self, stage: str, done: int, total: int) -> None:
         """Show the progress of long work, from another thread."""
-        if stage.startswith("compliance") or stage in ("optimise", "plan"):
+        if stage.startswith(ELEMENTS) or stage in ("optimise", "plan"):
             self._soon(partial(self._show_progress, stage, done, total))
 
     def take(self, answer: Answer) -> None:
@@ -211,7 +212,7 @@ class Page:
         self._setting = False
 
     def _show_progress(self, stage: str, done: int, total: int) -> None:
-        words = "elements" if stage.startswith("compliance") else stage
+        words = "elements" if stage.startswith(ELEMENTS) else stage
         self._status.text = f"{escape(words)}: {100 * done // max(total, 1)} %"
 
     # --- widgets ----------------------------------------------------------------------------------

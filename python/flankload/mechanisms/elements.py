@@ -162,7 +162,7 @@ def solve_body(
     A compliance that is missing in `kept` is added to it. One that is found in `parts`, those of
     earlier runs, has no stage and no cost.
     """
-    stage, wide = elements_stage(name), parts or Parts()
+    stage, wide = elements_stage(name), Parts() if parts is None else parts
     if not job.needs_elements:
         return no_compliance(body, job.body_load)
     if name in kept:

@@ -39,6 +39,7 @@ OF_SCENE: dict[str, Callable[[Any], Any]] = {
     "optimise": lambda scene: fl.optimise(scene, RELIEF, "peak_pressure_MPa"),
     "robust": lambda scene: fl.robust(scene, {"load.torque_Nm": norm(302, 3)}),
     "verify": fl.verify,
+    "explore": lambda scene: fl.explore(scene, open_browser=False),
 }
 
 

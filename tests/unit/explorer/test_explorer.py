@@ -22,6 +22,7 @@ from tests.support.paths import SCENES
 
 NAME = "external_gear"
 RELIEF = {"body_1.tip_relief_um": 20, "body_2.tip_relief_um": 15}
+RANGE = "vary.load.torque_Nm: expected two ascending numbers, LOW:HIGH, found '{}'"
 TORQUE = {"load.torque_Nm": 200.0}
 
 
@@ -70,12 +71,10 @@ def test_a_range_that_is_asked_for_is_that_of_the_slider() -> None:
     [
         ("body_1.tip", "vary: expected a numeric key of the scene, found 'body_1.tip'"),
         ("body_1.kind", "vary: expected a numeric key of the scene, found 'body_1.kind'"),
-        ("load.torque_Nm=3:1", "vary.load.torque_Nm: expected two ascending numbers, LOW:HIGH, "
-         "found '3:1'"),
-        ("load.torque_Nm=0:nan", "vary.load.torque_Nm: expected two ascending numbers, LOW:HIGH, "
-         "found '0:nan'"),
+        ("load.torque_Nm=3:1", RANGE.format("3:1")),
+        ("load.torque_Nm=0:nan", RANGE.format("0:nan")),
     ],
-)  # fmt: skip
+)
 def test_a_slider_that_is_impossible_is_refused(asked: str, line: str) -> None:
     with pytest.raises(fl.SceneError) as caught:
         fl.explore(scene_of(), [asked], open_browser=False)
