@@ -194,7 +194,7 @@ class Page:
 
     def _offer(self, result: Result) -> None:
         """Figures that the result has, to choose from."""
-        known = tables.choices(result)
+        known: list[Any] = tables.choices(result)
         if known != self._select.options:
             self._select.options = self._against.options = known
             names = [name for name, _ in known]
@@ -239,7 +239,7 @@ class Page:
 
     def _more(self) -> Select:
         """A key that has no slider yet."""
-        others = [("", "another key …")]
+        others: list[Any] = [("", "another key …")]
         others += [(path, f"{key.name}, {key.unit}") for path, key in self._explorer.keys.items()]
         more = Select(options=others, stylesheets=[self._sheet], sizing_mode="stretch_width")
         more.on_change("value", self._on_more)
@@ -275,7 +275,10 @@ class Page:
         return column(self._bodies.figure, line, sizing_mode="stretch_width")
 
     def _trail_column(self) -> Any:
-        options = {"stylesheets": [self._sheet], "sizing_mode": "stretch_width"}
+        options: dict[str, Any] = {
+            "stylesheets": [self._sheet],
+            "sizing_mode": "stretch_width",
+        }
         self._select = Select(title="figure", name="figure", **options)
         self._against = Select(title="and", name="against", **options)
         for select in (self._select, self._against):
