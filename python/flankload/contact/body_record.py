@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from flankload.contact.flank_contact import FlankContact, Level
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.flank import FlankCurve
-    from flankload.pairing.friction import Friction
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
 
@@ -70,12 +69,11 @@ def records_of(contact: FlankContact) -> tuple[NDArray[np.float64], ...]:
 
 def _mesh_record(contact: FlankContact) -> NDArray[np.float64]:
     """Record of the mesh."""
-    pairing, slices, grid = contact.pairing, contact.slices, contact.grid
-    axial = contact.compliances[0].modes.axial
+    pairing, grid, axial = contact.pairing, contact.grid, contact.compliances[0].modes.axial
     arguments = (
         core_sites(contact),
         np.array([[0.0, pairing.center_distance_mm], [0.0, 0.0]], order="F"),
-        0.0 if slices is None or axial is None else axial.twist,
+        0.0 if contact.slices is None or axial is None else axial.twist,
         np.array(
             [
                 *(grid.strips_per_half_width, grid.corner_strips_per_half_width),
@@ -84,16 +82,13 @@ def _mesh_record(contact: FlankContact) -> NDArray[np.float64]:
             float,
         ),
     )
-    parts = _mesh_parts(pairing, contact.friction, slices)
-    if contact.conforms:
-        parts.append(("height", conforming_height(contact)))
-    return _packed(_core.flankload_pack_mesh, arguments, parts)
+    return _packed(_core.flankload_pack_mesh, arguments, _mesh_parts(contact))
 
 
 def core_sites(contact: FlankContact) -> int:
     """Number of sites of the core: pairs of flanks, coast flanks, slices."""
     sites = contact.pairing.sites.size * (1 if contact.pairing.coast is None else 2)
-    return sites * (1 if contact.slices is None else contact.slices.count)
+    return sites * contact.sections.count
 
 
 def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
@@ -101,7 +96,7 @@ def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
     body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
     width = contact.face_width_mm if slices is None else 1.0
     compliance = _of_width(contact.compliances[z], width)
-    sections = _sections(body, slices, z)
+    sections = _sections(body, contact.sections, z)
     parts = _compliance_parts(compliance, pairing.teeth_of(z))
     if contact.friction is not None or contact.finite_steps > 0:
         parts += _tangential_parts(compliance, coast=pairing.coast is not None)
@@ -129,11 +124,11 @@ def _main_arguments(
     contact: FlankContact, compliance: BodyCompliance, z: int, curve: FlankCurve
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
-    body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
+    body, pairing, slices = contact.bodies[z], contact.pairing, contact.sections
     angles, deviations = _at_sites(pairing, slices, z)
-    block = compliance.blocks_of_sites(pairing.teeth_of(z), pairing.sites.size, body.teeth)
-    if slices is not None:
-        block = slices.site_blocks(block)
+    block = slices.site_blocks(
+        compliance.blocks_of_sites(pairing.teeth_of(z), pairing.sites.size, body.teeth)
+    )
     corners = curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
         corners[[0, -1]] = CUT_CORNER
@@ -150,28 +145,26 @@ def _main_arguments(
     )
 
 
-def _at_sites(pairing: Pairing, slices: Slices | None, z: int) -> tuple[Floats, Floats]:
+def _at_sites(pairing: Pairing, slices: Slices, z: int) -> tuple[Floats, Floats]:
     """Angles (n,) and deviations (n,) of body z at the sites of the core, working flanks first.
 
     Deviations of single teeth apply to working flanks only.
     """
-    angles, deviations = pairing.site_angles_rad[z], pairing.site_deviations_mm[z]
-    if slices is not None:
-        deviations = deviations[:, np.newaxis] + slices.tooth_deviations(pairing.sites, z)
-        angles, deviations = slices.site_angles(angles, z), slices.site_deviations(deviations, z)
+    angles = slices.site_angles(pairing.site_angles_rad[z], z)
+    of_teeth = slices.tooth_deviations(pairing.sites, z)
+    of_teeth = pairing.site_deviations_mm[z][:, np.newaxis] + of_teeth
+    deviations = slices.site_deviations(of_teeth, z)
     if pairing.coast is None:
         return angles, deviations
     of_coast = pairing.coast.site_angles_rad[z]
-    none = np.zeros_like(of_coast)
-    if slices is not None:
-        of_coast = slices.site_angles(of_coast, z, coast=True)
-        none = slices.site_deviations(none, z, coast=True)
+    none = slices.site_deviations(np.zeros_like(of_coast), z, coast=True)
+    of_coast = slices.site_angles(of_coast, z, coast=True)
     return np.concatenate([angles, of_coast]), np.concatenate([deviations, none])
 
 
-def _sections(body: Body, slices: Slices | None, z: int) -> list[FlankCurve]:
+def _sections(body: Body, slices: Slices, z: int) -> list[FlankCurve]:
     """Flanks of body z in all slices, if they differ; otherwise empty."""
-    removed = None if slices is None else slices.surfaces_mm[z]
+    removed = slices.surfaces_mm[z]
     if removed is None:
         return []
     return [_active(body, curve) for curve in section_curves(body, removed)]
@@ -235,19 +228,20 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
     return parts
 
 
-def _mesh_parts(pairing: Pairing, friction: Friction | None, slices: Slices | None) -> list[Part]:
+def _mesh_parts(contact: FlankContact) -> list[Part]:
     """Parts of a mesh: sides of the sites, friction, slices."""
-    parts: list[Part] = [] if slices is None else [("slices", slices.edges_mm)]
+    pairing, friction, count = contact.pairing, contact.friction, contact.sections.count
+    parts: list[Part] = [] if contact.slices is None else [("slices", contact.slices.edges_mm)]
+    if contact.conforms:
+        parts.append(("height", conforming_height(contact)))
     if pairing.coast is not None:
-        each = pairing.sites.size * (1 if slices is None else slices.count)
-        parts.append(("sides", np.repeat([1.0, -1.0], each)))
+        parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size * count)))
     if friction is not None:
         coefficients = friction.coefficients
         if pairing.coast is not None:  # as on the working flanks
             coefficients = np.hstack([coefficients, coefficients])
-        if slices is not None:  # equal in all slices of a flank
-            coefficients = np.repeat(coefficients, slices.count, axis=1)
-        table = np.column_stack([friction.places_mm, coefficients])
+        # equal in all slices of a flank
+        table = np.column_stack([friction.places_mm, np.repeat(coefficients, count, axis=1)])
         parts.append(("friction", table.ravel(order="F")))
     return parts
 

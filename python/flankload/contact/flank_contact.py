@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from flankload.pairing.slices import PLANE
+
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.elasticity.compliance import BodyCompliance
@@ -54,6 +56,11 @@ class FlankContact:
     slices: Slices | None = None
 
     @property
+    def sections(self) -> Slices:
+        """The slices; in the plane a single one."""
+        return PLANE if self.slices is None else self.slices
+
+    @property
     def conforms(self) -> bool:
         """Whether flanks in slices conform over a common height."""
-        return self.slices is not None and self.slices.conforming is not None
+        return self.sections.conforming is not None

@@ -152,6 +152,10 @@ class Slices:
         return np.repeat(np.repeat(block, self.count, axis=0), self.count, axis=1)
 
 
+#: The plane: one slice of width 1, the same for both bodies.
+PLANE = Slices(np.array([0.0, 1.0]), 2 * (np.zeros(1),), 2 * (np.zeros(1),), line_load_mm=1.0)
+
+
 def slices_of(
     shapes: tuple[AxialShape, AxialShape],
     count: int | None,
