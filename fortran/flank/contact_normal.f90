@@ -11,14 +11,14 @@ module flankload_contact_normal
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
     use flankload_flank_curve, only: curve_length
-    use flankload_polar_geometry, only: angle_between, cross, turned
+    use flankload_polar_geometry, only: angle_between, turned
     use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
     implicit none
     private
 
     public :: normal_type
-    public :: closing_of, contact_normal, normal_at, steady_normals
+    public :: contact_normal, normal_at
 
     !> Direction of the force along a contact.
     type :: normal_type
@@ -128,54 +128,5 @@ contains
 
         direction = turned(normal%direction, normal%turning(body)*(s_1 - normal%origin))
     end function normal_at
-
-    !> Return the directions in which displacements close the gap: the flanks' own normals, turned
-    !> like the force where that is not normal to them.
-    !>
-    !> Chords of smooth flanks deviate from their tangents by less than `steady`: levers of
-    !> involutes are then their base radii, so that the torques of several meshes balance exactly.
-    pure function steady_normals(own, turn, gap_angle) result(normals)
-        !> Normals of both flanks, out of body 1, shape (2, bodies)
-        real(wp), intent(in) :: own(2, 2)
-        !> Angles from the directions of the force to these normals [rad], shape (2)
-        real(wp), intent(in) :: turn(2)
-        !> Rotation of body 1 that closes the gap [rad]
-        real(wp), intent(in) :: gap_angle
-        real(wp) :: normals(2, 2)
-
-        !> Deviation of chords from tangents [rad]: it changes levers by less than 0.1 %
-        real(wp), parameter :: steady = 1.0e-3_wp
-        integer :: b
-        real(wp) :: beyond
-
-        normals = own
-        do b = 1, 2
-            ! the force has the mean direction of the flanks, which are apart by the gap angle
-            beyond = -turn(b) - merge(0.5_wp, -0.5_wp, b == 1)*gap_angle
-            if (abs(beyond) <= steady) cycle
-            normals(:, b) = turned(own(:, b), sign(abs(beyond) - steady, beyond))
-        end do
-    end function steady_normals
-
-    !> Return the rotation of body 1 that closes a gap as a unit displacement of either body along x
-    !> and y does [rad/mm], and as a unit rotation about its own axis.
-    pure function closing_of(pair, normals, facing) result(closing)
-        !> Contact pair
-        type(pair_type), intent(in) :: pair
-        !> Directions in which the gap closes on each flank, of either sign, shape (2, bodies)
-        real(wp), intent(in) :: normals(2, 2)
-        !> Flanks and their frames
-        type(facing_type), intent(in) :: facing
-        !> shape (3, bodies)
-        real(wp) :: closing(3, 2)
-
-        real(wp) :: lever, n(2)
-
-        ! out of body 1, which closes the gap if it turns counter-clockwise
-        lever = cross(pair%point_1, normals(:, 1))
-        closing(:, 1) = [normals(:, 1)/lever, 1.0_wp]
-        n = -sign(1.0_wp, cross(pair%point_2, normals(:, 2)))*normals(:, 2)
-        closing(:, 2) = [n, cross(pair%point_2 - facing%frame_2%origin, n)]/abs(lever)
-    end function closing_of
 
 end module flankload_contact_normal

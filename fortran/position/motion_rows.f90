@@ -8,7 +8,7 @@ module flankload_motion_rows
     use flankload_kinds, only: wp
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: zone_type
-    use flankload_mesh, only: mesh_type, motion_type
+    use flankload_mesh, only: along_x, along_y, mesh_type, motion_type
     implicit none
     private
 
@@ -50,14 +50,22 @@ contains
         real(wp) :: rates(size(motions))
 
         integer :: b, c
-        real(wp) :: fixed(3, 2)
 
-        fixed = in_fixed_frame(mesh, side, closing)
-        rates = 0.0_wp
         do c = 1, size(motions)
+            rates(c) = 0.0_wp
             do b = 1, 2
-                if (mesh%bodies(b) == motions(c)%body) rates(c) = motions(c)%sign &
-                    & *fixed(motions(c)%kind, b)
+                if (mesh%bodies(b) /= motions(c)%body) cycle
+                associate (along => mesh%direction, y => mesh%sense*side*closing(2, b))
+                    select case (motions(c)%kind)
+                    case (along_x)
+                        rates(c) = along(1)*closing(1, b) - along(2)*y
+                    case (along_y)
+                        rates(c) = along(2)*closing(1, b) + along(1)*y
+                    case default
+                        rates(c) = mesh%sense*side*closing(3, b)
+                    end select
+                end associate
+                rates(c) = motions(c)%sign*rates(c)
             end do
         end do
     end function rates_of

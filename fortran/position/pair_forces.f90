@@ -202,13 +202,16 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: n
+        integer :: c, n
         real(wp), allocatable :: levers(:, :), rows(:, :)
         type(contact_result) :: contact
 
         n = state%pairs%n
-        levers = rates*spread(state%pairs%lever, 2, size(loads))
-        rows = rates*spread(state%pairs%torque_lever, 2, size(loads))   ! Eq. (19)
+        allocate (levers, rows, mold=rates)
+        do c = 1, size(loads)
+            levers(:, c) = rates(:, c)*state%pairs%lever
+            rows(:, c) = rates(:, c)*state%pairs%torque_lever   ! Eq. (19)
+        end do
         call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, levers, rows, &
             & loads, structure, merge(method_auto, method_single, n > many_pairs), warm_pairs, &
             & contact, error)

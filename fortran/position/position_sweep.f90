@@ -30,7 +30,7 @@ module flankload_position_sweep
         !> which no force works
         real(wp), allocatable :: motion(:, :, :), tangent(:, :, :, :)
         !> Forces on each body by all contacts along x and y [N] and moment about its axis [N mm] in
-        !> the fixed frame, shape (3, bodies, positions, cases)
+        !> the fixed frame, shape (3, bodies, positions, cases); no bodies unless asked for
         real(wp), allocatable :: resultant(:, :, :, :)
         !> Backward error, condition, margin, shape (3, positions, cases); if there is no state,
         !> the largest fraction of the torque that can be carried, and 1 if it is proven that no
@@ -77,7 +77,7 @@ contains
 
     !> Solve every position under all loads.
     subroutine sweep_positions(bodies, meshes, motions, configurations, loads, control, pair_site, &
-            & pair_table, found, known)
+            & pair_table, found, known, summed)
         !> The bodies, their meshes and their motions
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -98,11 +98,15 @@ contains
         type(sweep_type), intent(out) :: found
         !> Pairs in contact in a similar sweep of as many positions and cases
         type(known_contacts), intent(in), optional :: known
+        !> True if forces on bodies are summed; false by default
+        logical, intent(in), optional :: summed
 
         integer :: k, used, asked_to_stop
         real(wp), allocatable :: room(:)
 
-        call reserve(found, size(bodies), sum(meshes%n_sites), size(motions), &
+        k = 0
+        if (present(summed)) k = merge(size(bodies), 0, summed)
+        call reserve(found, k, sum(meshes%n_sites), size(motions), &
             & size(configurations), size(loads, 2))
         used = 0
         !$omp parallel do schedule(dynamic) private(asked_to_stop, room)
@@ -210,7 +214,8 @@ contains
                 if (state%status < 0) cycle
                 call copy_motion(state%motion, state%tangent, state%free, found%motion(:, k, t), &
                     & found%tangent(:, :, k, t))
-                call add_resultants(meshes, state, found%resultant(:, :, k, t))
+                if (size(found%resultant, 2) > 0) call add_resultants(meshes, state, &
+                    & found%resultant(:, :, k, t))
                 found%certificate(:, k, t) = [state%backward_error, state%condition, state%margin]
                 found%site_force(:, k, t) = state%site_force
                 found%site_peak(:, k, t) = state%site_peak

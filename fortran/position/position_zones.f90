@@ -9,7 +9,7 @@ module flankload_position_zones
     use flankload_slice_field, only: mean_width, slice_of
     use flankload_circle_pair, only: facing_type, flank_type
     use flankload_coarse_gap, only: coarse_gap
-    use flankload_contact_normal, only: closing_of
+    use flankload_contact_pairs, only: closing_of
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_influence_coefficients, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width, usual_half_width
@@ -329,7 +329,8 @@ contains
                 else if (abs(zones(z)%corner) == 2) then
                     normals(:, 2) = turned(normals(:, 1), pair%gap_angle)
                 end if
-                zones(z)%closing = closing_of(pair, normals, facing(zones(z)%site))
+                call closing_of(pair, normals, facing(zones(z)%site)%frame_2%origin, &
+                    & zones(z)%closing)
             end associate
         end do
     end subroutine set_closing

@@ -62,7 +62,7 @@ contains
                 & displacements(:, :, k)
         end do
         call sweep_positions(bodies, meshes, ways, configurations, loads, control, pair_site, &
-            & pair_table, found)
+            & pair_table, found, summed=.true.)
         info = count(found%status < 0)
     end subroutine sweep_meshes
 

@@ -12,7 +12,7 @@ from flankload import _core
 from flankload.contact.meshes import Members, MeshStates, Motion, solve_meshes, with_members
 from flankload.contact.meshes import with_support as on_support
 from flankload.errors import InputError
-from tests.unit.contact.test_body_record import AXES, SETTINGS, record_of
+from tests.unit.contact.test_body_record import SETTINGS, record_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,11 +38,18 @@ def roller(n_sites: int = 1, coupling: float = 0.0) -> NDArray[np.float64]:
     )
 
 
+def mesh_record(level: float, distance_mm: float = 72.0, steps: int = 0) -> NDArray[np.float64]:
+    """Record of a mesh of one site."""
+    axes = np.array([[0.0, distance_mm], [0.0, 0.0]], order="F")
+    arguments = (1, axes, 0.0, np.array([*SETTINGS[:3], level, steps]))
+    record = np.empty(_core.flankload_pack_mesh(*arguments, np.empty(0)))
+    assert _core.flankload_pack_mesh(*arguments, record) == 0
+    return record
+
+
 def mesh(level: float, **members: Any) -> NDArray[np.float64]:
-    """Mesh of one site."""
-    settings = np.array([*SETTINGS[:3], level, 0.0])
-    record = np.empty(_core.flankload_pack_mesh(1, AXES, 0.0, settings, np.empty(0)))
-    assert _core.flankload_pack_mesh(1, AXES, 0.0, settings, record) == 0
+    """Mesh of two cylinders."""
+    record = mesh_record(level)
     return with_members(record, Members(**members)) if members else record
 
 
@@ -144,11 +151,9 @@ def test_a_support_is_a_motion_under_its_force(level: float) -> None:
 
 def test_what_several_meshes_exclude() -> None:
     """Finite forces have a status of their own; wrong members and motions are arguments."""
-    settings = np.array([*SETTINGS[:3], 0.0, 4.0])
-    record = np.empty(_core.flankload_pack_mesh(1, AXES, 0.0, settings, np.empty(0)))
-    _core.flankload_pack_mesh(1, AXES, 0.0, settings, record)
     bodies = [roller(), roller()]
-    states = solve_meshes(bodies, [record], [Motion(0), Motion(1)], ANGLES, [[TORQUE, 0.0]])
+    finite = mesh_record(0.0, steps=4)
+    states = solve_meshes(bodies, [finite], [Motion(0), Motion(1)], ANGLES, [[TORQUE, 0.0]])
     assert (states.status == -23).all()
     with pytest.raises(InputError, match="argument 13 of"):
         solve_meshes(bodies, [mesh(0.0, bodies=(0, 2))], [Motion(0)], ANGLES, [[TORQUE]])
