@@ -245,8 +245,8 @@ contains
         pairs%normal(:, i) = normals(:, 1)
     end subroutine append_pair
 
-    !> Set the rotations of body 1 that close the gap of the last pair as displacements do: along the
-    !> flanks' own normals, turned like the force where that is not normal to them.
+    !> Set the rotations of body 1 that close the gap of the last pair as displacements do: along
+    !> the flanks' own normals, turned like the force where that is not normal to them.
     !>
     !> Chords of smooth flanks deviate from their tangents by less than `steady`: levers of
     !> involutes are then their base radii, so that the torques of several meshes balance exactly.
@@ -272,8 +272,8 @@ contains
         call closing_of(pair, normals, axis_2, pairs%closing(:, :, pairs%n))
     end subroutine close_pair
 
-    !> Compute the rotation of body 1 that closes a gap as a unit displacement of either body along x
-    !> and y does [rad/mm], and as a unit rotation about its own axis.
+    !> Compute the rotation of body 1 that closes a gap as a unit displacement of either body along
+    !> x and y does [rad/mm], and as a unit rotation about its own axis.
     pure subroutine closing_of(pair, normals, axis_2, closing)
         !> Contact pair
         type(pair_type), intent(in) :: pair

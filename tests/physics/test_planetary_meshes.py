@@ -16,8 +16,7 @@ from flankload.contact.meshes import (
     with_members,
     with_support,
 )
-from tests.unit.contact.test_body_record import record_of
-from tests.unit.contact.test_meshes import mesh_record
+from tests.support.packed_meshes import body_record, mesh_record
 
 MODULE, ALPHA, DISTANCE = 3.0, np.radians(20.0), 63.0
 TEETH = {"sun": 25, "planet": 17, "ring": 59}
@@ -45,17 +44,13 @@ def involute(name: str, n_sites: int, *, ring: bool = False) -> np.ndarray:
         coefficients[:, 0, k], coefficients[:, 1, k] = powers.real, powers.imag
     smooth = np.zeros((1, 1, 2), order="F")
     smooth[0, 0, 0] = 2e-6
-    block = np.full((n_sites, n_sites), 2, dtype=np.intc, order="F")
-    np.fill_diagonal(block, 1)
-    return record_of(
+    return body_record(
+        n_sites,
+        smooth,
         breaks=breaks - breaks[0],
         coefficients=coefficients,
         corners=np.zeros(9, dtype=np.intc),
-        site_angles=np.zeros(n_sites),
-        deviations=np.zeros(n_sites),
         mode_range=np.array([0.0, breaks[-1] - breaks[0]]),
-        smooth=smooth,
-        block=block,
     )
 
 

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from flankload import _core
 from flankload.contact.meshes import Members, MeshStates, Motion, solve_meshes, with_members
 from flankload.contact.meshes import with_support as on_support
 from flankload.errors import InputError
-from tests.unit.contact.test_body_record import SETTINGS, record_of
+from tests.support.packed_meshes import body_record, mesh_record
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,20 +30,7 @@ def roller(n_sites: int = 1, coupling: float = 0.0) -> NDArray[np.float64]:
     smooth = np.zeros((n_modes, n_modes, 2), order="F")
     smooth[..., 0] = 1e-6 * np.eye(n_modes)
     smooth[0, 0, 1] = coupling
-    block = np.full((n_sites, n_sites), 2, dtype=np.intc, order="F")
-    np.fill_diagonal(block, 1)
-    return record_of(
-        site_angles=np.zeros(n_sites), deviations=np.zeros(n_sites), smooth=smooth, block=block
-    )
-
-
-def mesh_record(level: float, distance_mm: float = 72.0, steps: int = 0) -> NDArray[np.float64]:
-    """Record of a mesh of one site."""
-    axes = np.array([[0.0, distance_mm], [0.0, 0.0]], order="F")
-    arguments = (1, axes, 0.0, np.array([*SETTINGS[:3], level, steps]))
-    record = np.empty(_core.flankload_pack_mesh(*arguments, np.empty(0)))
-    assert _core.flankload_pack_mesh(*arguments, record) == 0
-    return record
+    return body_record(n_sites, smooth)
 
 
 def mesh(level: float, **members: Any) -> NDArray[np.float64]:
