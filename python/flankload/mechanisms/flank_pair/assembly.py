@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from math import radians
 from typing import TYPE_CHECKING
 
@@ -73,33 +74,24 @@ def build_bodies(
     SceneError
         If a body cannot be made or the bodies cannot mesh; names file, key, expected and found.
     """
+    discretization = discretization or choose_discretization(scene)
+    made = partial(bodies_of, parts=parts, modified_elements=modified_elements)
+
+    def paired(scene: Scene) -> BodyPair:
+        one, two = made(scene, discretization)
+        return _paired(scene, discretization, (one, two), groups)
+
     try:
-        return _paired(
-            scene,
-            discretization=discretization,
-            bodies=bodies,
-            groups=groups,
-            parts=parts,
-            modified_elements=modified_elements,
-        )
+        return _paired(scene, discretization, bodies, groups) if bodies else paired(scene)
     except SceneError as error:
-        raise explained(error, scene, _paired) from None
+        raise explained(error, scene, paired) from None
 
 
 def _paired(
-    scene: Scene,
-    *,
-    discretization: Discretization | None = None,
-    bodies: tuple[Body, Body] | None = None,
-    groups: tuple[int, int] = (1, 1),
-    parts: Parts | None = None,
-    modified_elements: bool = False,
+    scene: Scene, discretization: Discretization, bodies: tuple[Body, Body], groups: tuple[int, int]
 ) -> BodyPair:
     """As `build_bodies`, without a search for the mistake in an impossible scene."""
-    discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
-    one, two = bodies or bodies_of(
-        scene, discretization, parts=parts, modified_elements=modified_elements
-    )
+    effects, (one, two) = effects_of(scene), bodies
     try:
         if effects.coast_flanks:
             check_coast_kinds(one.kind, two.kind)
