@@ -90,7 +90,7 @@ _FORTRAN = (
         ("body%block(site(other), site(first))", "body%block(site(first), site(other))"),
         ("one%z + other%z - 2.0_wp", "one%z - other%z - 2.0_wp"),
         ("along = along/(0.5_wp*(one%cosine + other%cosine))", "along = along"),
-        ("all(1)%strength = 0.5_wp*", "all(1)%strength = "),
+        ("all(1)%strength = 0.5_wp*(body_1", "all(1)%strength = (body_1"),
     ),
     *_in(
         "rectangle_potential.f90",
