@@ -14,7 +14,7 @@ module flankload_contact_zones
     private
 
     public :: zone_type
-    public :: find_zones
+    public :: find_zones, member_of
 
     !> A contact zone.
     type :: zone_type
@@ -74,6 +74,19 @@ module flankload_contact_zones
     real(wp), parameter :: same_place = 1.0e-7_wp
 
 contains
+
+    !> Return which of both bodies of its mesh a body is at a zone: 1 or 2, or 0 if it is neither.
+    elemental function member_of(zone, body) result(member)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Number of the body
+        integer, intent(in) :: body
+        integer :: member
+
+        member = 0
+        if (zone%body(2) == body) member = 2
+        if (zone%body(1) == body) member = 1
+    end function member_of
 
     !> Find all minima of the gap between two flanks.
     !>

@@ -8,7 +8,7 @@ module flankload_lumped_pass
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
     use flankload_polar_geometry, only: angle_between, turned
-    use flankload_contact_zones, only: zone_type
+    use flankload_contact_zones, only: member_of, zone_type
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
@@ -89,7 +89,7 @@ contains
         ones = 1.0_wp
         do b = 1, size(bodies)
             associate (zones => position%zones(system%of), body => bodies(b)%compliance)
-                at = [(findloc(zones(k)%body, b, dim=1), k=1, n)]
+                at = member_of(zones, b)
                 of = pack([(k, k=1, n)], at > 0)
                 at = at(of)
                 site = [(zones(of(k))%site + zones(of(k))%offset(at(k)), k=1, size(of))]
@@ -157,7 +157,8 @@ contains
         n = size(system%of)
         slides = size(system%tangential, 2) > 0
         last = forces(system%of)
-        linear = linearised(meshes, position, system, state%motion, secant .or. .not. last > 0.0_wp)
+        call linearise(meshes, position, system, state%motion, secant .or. .not. last > 0.0_wp, &
+            & linear)
         call solve_contact_problem(linear%matrix, linear%gaps, linear%levers, linear%rows, &
             & linear%loads, merge(general_matrix, symmetric_matrix, slides), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
@@ -214,15 +215,15 @@ contains
         type(equations_type) :: linear
 
         found = forces(system%of)
-        linear = linearised(meshes, position, system, motion, .not. found > 0.0_wp)
+        call linearise(meshes, position, system, motion, .not. found > 0.0_wp, linear)
         call keep_places(linear%matrix, linear%gaps, linear%levers, linear%rows, linear%loads, &
             & found, motion, solved)
         if (solved) forces(system%of) = found
     end subroutine step_places
 
-    !> Return the linearized equations of the contacts. Levers are negative on coast flanks, which
-    !> separate if body 1 turns further.
-    pure function linearised(meshes, position, system, motion, through_origin) result(linear)
+    !> Linearize the equations of the contacts. Levers are negative on coast flanks, which separate
+    !> if body 1 turns further.
+    pure subroutine linearise(meshes, position, system, motion, through_origin, linear)
         !> The meshes, and the position
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
@@ -232,7 +233,8 @@ contains
         real(wp), intent(in) :: motion(:)
         !> True for secants through the origin instead of tangents, shape (n)
         logical, intent(in) :: through_origin(:)
-        type(equations_type) :: linear
+        !> Linearized equations
+        type(equations_type), intent(out) :: linear
 
         integer :: c, k
         real(wp), dimension(size(through_origin)) :: line, beside, open
@@ -267,7 +269,7 @@ contains
         end associate
         if (size(system%tangential, 2) > 0) call add_friction(position, system, through_origin, &
             & linear)
-    end function linearised
+    end subroutine linearise
 
     !> Solve for the contacts that carry load, drop those with tensile forces until none is left,
     !> and check that the other gaps stay open. The solution is unique, since K is definite.

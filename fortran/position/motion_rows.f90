@@ -49,26 +49,41 @@ contains
         !> shape (motions)
         real(wp) :: rates(size(motions))
 
-        integer :: b, c
+        integer :: c
 
         do c = 1, size(motions)
-            rates(c) = 0.0_wp
-            do b = 1, 2
-                if (mesh%bodies(b) /= motions(c)%body) cycle
-                associate (along => mesh%direction, y => mesh%sense*side*closing(2, b))
-                    select case (motions(c)%kind)
-                    case (along_x)
-                        rates(c) = along(1)*closing(1, b) - along(2)*y
-                    case (along_y)
-                        rates(c) = along(2)*closing(1, b) + along(1)*y
-                    case default
-                        rates(c) = mesh%sense*side*closing(3, b)
-                    end select
-                end associate
-                rates(c) = motions(c)%sign*rates(c)
-            end do
+            rates(c) = rate_of(motions(c), mesh, side, closing)
         end do
     end function rates_of
+
+    !> Return the rate of a motion.
+    pure function rate_of(motion, mesh, side, closing) result(rate)
+        !> The motion, and the mesh
+        type(motion_type), intent(in) :: motion
+        type(mesh_type), intent(in) :: mesh
+        !> As in in_fixed_frame
+        real(wp), intent(in) :: side
+        real(wp), intent(in) :: closing(3, 2)
+        real(wp) :: rate
+
+        integer :: b
+
+        rate = 0.0_wp
+        b = 0
+        if (mesh%bodies(2) == motion%body) b = 2
+        if (mesh%bodies(1) == motion%body) b = 1
+        if (b == 0) return
+        associate (along => mesh%direction, y => mesh%sense*side*closing(2, b))
+            select case (motion%kind)
+            case (along_x)
+                rate = motion%sign*(along(1)*closing(1, b) - along(2)*y)
+            case (along_y)
+                rate = motion%sign*(along(2)*closing(1, b) + along(1)*y)
+            case default
+                rate = motion%sign*mesh%sense*side*closing(3, b)
+            end select
+        end associate
+    end function rate_of
 
     !> Return the rates of the motions at zones.
     pure function zone_rates(motions, meshes, zones) result(rates)
@@ -98,11 +113,13 @@ contains
         !> shape (pairs, motions)
         real(wp) :: rates(pairs%n, size(motions))
 
-        integer :: i
+        integer :: c, i
 
-        do i = 1, pairs%n
-            rates(i, :) = rates_of(motions, meshes(zones(pairs%zone(i))%mesh), 1.0_wp, &
-                & pairs%closing(:, :, i))
+        do c = 1, size(motions)
+            do i = 1, pairs%n
+                rates(i, c) = rate_of(motions(c), meshes(zones(pairs%zone(i))%mesh), 1.0_wp, &
+                    & pairs%closing(:, :, i))
+            end do
         end do
     end function pair_rates
 

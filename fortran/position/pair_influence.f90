@@ -12,7 +12,7 @@ module flankload_pair_influence
     use flankload_cell_field, only: add_cells, add_sliding, mirror
     use flankload_compliance_field, only: mode_values
     use flankload_contact_pairs, only: pairs_type
-    use flankload_contact_zones, only: zone_type
+    use flankload_contact_zones, only: member_of, zone_type
     use flankload_influence_coefficients, only: add_strips
     use flankload_mesh, only: body_type, mesh_type
     use flankload_mode_field, only: add_modes, places_type
@@ -101,7 +101,7 @@ contains
         integer :: i, n, end(pairs%n)
 
         do i = 1, pairs%n
-            end(i) = findloc(zones(pairs%zone(i))%body, b, dim=1)
+            end(i) = member_of(zones(pairs%zone(i)), b)
         end do
         places%of = pack([(i, i=1, pairs%n)], end > 0)
         n = size(places%of)
@@ -235,7 +235,7 @@ contains
                     k = of(i)
                     associate (zone => zones(pairs%zone(k)))
                         fixed = in_fixed_frame(meshes(zone%mesh), 1.0_wp, pairs%closing(:, :, k))
-                        wrenches(:, i) = pairs%lever(k)*fixed(:, findloc(zone%body, b, dim=1))
+                        wrenches(:, i) = pairs%lever(k)*fixed(:, member_of(zone, b))
                     end associate
                 end do
                 call add_support(bodies(b)%support, wrenches(:, :size(of)), of, matrix)

@@ -10,7 +10,7 @@ module flankload_position_zones
     use flankload_circle_pair, only: facing_type, flank_type
     use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_pairs, only: closing_of
-    use flankload_contact_zones, only: find_zones, zone_type
+    use flankload_contact_zones, only: find_zones, member_of, zone_type
     use flankload_influence_coefficients, only: smooth_compliance
     use flankload_lumped_hertz, only: least_half_width, usual_half_width
     use flankload_mesh, only: body_type, configuration_type, mesh_type, motion_type, rotation
@@ -412,7 +412,7 @@ contains
         allocate (position%images(2, n))
         do b = 1, size(bodies)
             associate (zones => position%zones, body => bodies(b)%compliance)
-                at = [(findloc(zones(z)%body, b, dim=1), z=1, n)]
+                at = member_of(zones, b)
                 of = pack([(z, z=1, n)], at > 0)
                 at = at(of)
                 s = place_on(zones(of), at)

@@ -77,8 +77,7 @@ contains
             & tiny(1.0_wp))
         result%backward_error = max(maxval(abs(residual)/load_sizes), &
             & maxval(max(-forces, 0.0_wp))/largest)
-        call find_free_motions(problem, abs(forces) > row_tolerance*largest, &
-            & rows <= row_tolerance*sizes, result%free, loose)
+        call find_free_motions(problem, forces, rows - row_tolerance*sizes, result%free, loose)
         result%margin = minval(forces/largest, mask=active .and. .not. loose)
         call check_rows(problem, compliance, forces, whole_motion, loose, rows, sizes, result)
         degenerate = any(active .and. .not. loose .and. abs(forces) <= row_tolerance*largest)
@@ -103,28 +102,40 @@ contains
 
     !> Find the motions on which no force works although others carry load, and that can move on
     !> without closing a gap. The loop measures them from a pair that just touches, without force.
-    pure subroutine find_free_motions(problem, loaded, touches, free, loose)
+    pure subroutine find_free_motions(problem, forces, open, free, loose)
         !> Scaled contact problem
         type(contact_problem), intent(in) :: problem
-        !> True for pairs that carry load, and for those without a gap, shape (n)
-        logical, intent(in) :: loaded(:)
-        logical, intent(in) :: touches(:)
+        !> Scaled forces, shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> Gaps minus their rounding errors: pairs touch unless it is positive, shape (n)
+        real(wp), intent(in) :: open(:)
         !> True for these motions, shape (n_motions)
         logical, allocatable, intent(out) :: free(:)
         !> True for pairs without load that they move, shape (n)
         logical, allocatable, intent(out) :: loose(:)
 
-        integer :: c
+        integer :: c, i
+        logical :: loaded, closes(2)
+        real(wp) :: least
 
         allocate (free(problem%n_motions), loose(problem%n), source=.false.)
+        least = row_tolerance*maxval(abs(forces))
         do c = 1, problem%n_motions
-            associate (levers => problem%motions(:, c), rows => problem%load_rows(:, c))
-                free(c) = any(loaded) .and. .not. any(loaded .and. abs(levers) + abs(rows) > 0.0_wp)
-                if (.not. free(c)) cycle
-                free(c) = .not. (any(touches .and. levers > 0.0_wp) &
-                    & .and. any(touches .and. levers < 0.0_wp))
-                if (free(c)) loose = loose .or. (.not. loaded .and. abs(levers) > 0.0_wp)
-            end associate
+            loaded = .false.
+            closes = .false.
+            do i = 1, problem%n
+                associate (lever => problem%motions(i, c))
+                    if (abs(forces(i)) > least) then
+                        loaded = abs(lever) + abs(problem%load_rows(i, c)) > 0.0_wp
+                        if (loaded) exit
+                    else if (.not. open(i) > 0.0_wp) then
+                        closes = closes .or. [lever > 0.0_wp, lever < 0.0_wp]
+                    end if
+                end associate
+            end do
+            free(c) = .not. (loaded .or. all(closes)) .and. any(abs(forces) > least)
+            if (free(c)) loose = loose .or. (.not. abs(forces) > least &
+                & .and. abs(problem%motions(:, c)) > 0.0_wp)
         end do
     end subroutine find_free_motions
 
