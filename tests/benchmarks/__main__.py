@@ -11,6 +11,7 @@ import tests.benchmarks as benches
 #: Benches that are run by name alone, and how long they take.
 LONG = {
     "estimate": "25 minutes",
+    "explore": "a minute; needs Chromium",
     "fuzz": "an hour",
     "nonlinear-fe": "6 minutes",
     "optimise": "5 minutes",

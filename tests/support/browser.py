@@ -113,7 +113,7 @@ class Browser:
             or (event["method"], event["params"].get("type")) == consoles
         ]
 
-    def picture(self, path: Path) -> None:
-        """Write a picture of the whole page."""
-        found = self.call("Page.captureScreenshot", captureBeyondViewport=True)
+    def picture(self, path: Path, *, whole: bool = True) -> None:
+        """Write a picture of the page, or of its window."""
+        found = self.call("Page.captureScreenshot", captureBeyondViewport=whole)
         path.write_bytes(base64.b64decode(found["data"]))

@@ -161,6 +161,8 @@ class Page:
             if answer.at_rest and answer.result is not None and self._pinned is None:
                 self._pin()
             self._draw(answer.result)
+            for figure in (self._bodies.figure, self._trail.figure):
+                figure.css_classes = []
             self._status.text = tables.status(answer)
             self._status.css_classes = ["broken"] if answer.error else []
             if answer.at_rest and answer.result is not None:

@@ -221,6 +221,7 @@ def empty_figure(title: str, x: str, y: str, height: int) -> Any:
         background_fill_alpha=0.0, border_fill_alpha=0.0, outline_line_color=LINES,
         outline_line_alpha=0.5, toolbar_location="right", min_width=100,
     )  # fmt: skip
+    made.css_classes = ["absent"]  # until there are data: axes without any leave marks behind
     made.toolbar.autohide, made.toolbar.logo, made.toolbar.active_drag = True, None, None
     made.title.text_color = INK
     made.grid.grid_line_color, made.grid.grid_line_alpha = LINES, 0.25
