@@ -2,9 +2,12 @@
 
 import contextlib
 import io
+import json
 import re
 import runpy
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,6 +48,18 @@ def test_a_page_shows_what_its_examples_print(page: str, monkeypatch: pytest.Mon
     monkeypatch.chdir(ROOT)
     for code, shown in examples:
         assert printed_by(lambda code=code: exec(code, {})) == shown
+
+
+def test_the_notebook_of_the_explorer_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = ROOT / "examples/notebooks/explore_relief.ipynb"
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    assert all(not cell.get("outputs") for cell in cells)
+    monkeypatch.chdir(path.parent)
+    names: dict[str, Any] = {}
+    printed = printed_by(lambda: [exec(cell, names) for cell in code])
+    assert "tip_relief_um = 45" in printed
+    assert tomllib.loads(printed)["body_2"]["tip_relief_um"] == 45
 
 
 def test_the_scene_of_the_readme_is_complete(tmp_path: Path) -> None:

@@ -220,6 +220,7 @@ def empty_figure(title: str, x: str, y: str, height: int) -> Any:
         sizing_mode="stretch_width", tools=[BoxZoomTool(), ResetTool(), SaveTool()],
         background_fill_alpha=0.0, border_fill_alpha=0.0, outline_line_color=LINES,
         outline_line_alpha=0.5, toolbar_location="right", min_width=100,
+        min_border_left=64, min_border_bottom=44,  # labels that grow move nothing
     )  # fmt: skip
     made.css_classes = ["absent"]  # until there are data: axes without any leave marks behind
     made.toolbar.autohide, made.toolbar.logo, made.toolbar.active_drag = True, None, None
