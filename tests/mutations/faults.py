@@ -93,6 +93,13 @@ _FORTRAN = (
         ("all(1)%strength = 0.5_wp*(body_1", "all(1)%strength = (body_1"),
     ),
     *_in(
+        "conforming_slices.f90",
+        "physics/test_couplings.py",
+        ("(side*(angles(2) - angles(1)) -", "((angles(2) - angles(1)) -"),
+        ("[1.0_wp, side]*mesh", "mesh"),
+        ("bodies(1)%deviations(k) - ", ""),
+    ),
+    *_in(
         "rectangle_potential.f90",
         "core",
         ("away = sqrt(fourth/second)", "away = sqrt(second)"),
@@ -421,6 +428,17 @@ _PYTHON = (
         "bodies/flank_surface.py",
         "physics/test_flank_surfaces.py",
         ("-body.outward * removed / radius", "body.outward * removed / radius"),
+    ),
+    *_in(
+        "pairing/slices.py",
+        "physics/test_coast_flanks_in_three_dimensions.py",
+        ("-turns if coast else turns", "turns"),
+        ("removed = removed + self.coast_gap_mm", "pass"),
+    ),
+    *_in(
+        "contact/body_record.py",
+        "physics/test_coast_flanks_in_three_dimensions.py",
+        ("axial.end[::-1] if coast", "axial.end if coast"),
     ),
     *_in(
         "pairing/slices.py",
