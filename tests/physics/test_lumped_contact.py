@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.estimate import lumped_error
+from flankload.analysis.lumped_error import lumped_error
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep

@@ -468,22 +468,21 @@ def test_copies_of_a_three_dimensional_result() -> None:
 # --- error estimate -------------------------------------------------------------------------------
 
 
-def test_lumped_error_counts_for_the_load_beside_a_relief() -> None:
-    """Few slices of a relieved pair lie beside an end or a kink; sharp corners count in full.
-
-    In the plane section of this pair, the rotations of lumped contacts and of cells differ by up to
-    0.04 % with relief and 0.24 % with sharp corners.
-    """
-    estimate = {"accuracy__estimate": True, "accuracy__slices": 28, "positions__count": 8}
-    relieved = solve(HELICAL, **estimate)
+@pytest.mark.parametrize("tips", ["relieved", "sharp"])
+def test_lumped_error_is_that_beside_cells(tips: str) -> None:
+    """Constants said 0.25 % and more, and too little at some sharp corners."""
     keys = ("tip_relief_um", "tip_relief_start_diameter_mm", "tip_relief_shape")
-    sharp = solve(HELICAL, **estimate, **{f"body_{z}__{k}": None for z in (1, 2) for k in keys})
-    errors = []
-    for found in (relieved, sharp):
-        assert found.estimate is not None
-        errors.append(found.estimate["by_source"]["lumped"]["transmission_error"])
-    assert 4e-4 < errors[0] < 4e-3
-    assert errors[1] > 5e-3
+    bare = {f"body_{z}__{key}": None for z in (1, 2) for key in keys if tips == "sharp"}
+    scene = {"accuracy__slices": 28, "positions__count": 8, **bare}
+    found = solve(HELICAL, accuracy__estimate=True, **scene)
+    cells = solve(HELICAL, effects__contact="pairs", **scene)
+    assert found.estimate is not None
+    error = found.estimate["by_source"]["lumped"]
+    beside = deviation(found.rotation_rad, cells.rotation_rad)
+    # graded slices of the cells have an error of their own
+    assert 0.5 * beside < error["transmission_error"] < 3.0 * beside
+    shares = np.abs(found.load_share - cells.load_share).max()
+    assert 0.5 * shares < error["load_share"] < 3.0 * shares
 
 
 def test_no_warning_names_a_contact_model_that_slices_lack() -> None:

@@ -19,7 +19,8 @@ period
 tip
     Changes by the turned force of a contact on a tip (`tip_error`).
 lumped
-    Lumped contact has no cells; its error is taken from measurements (`LUMPED`).
+    Lumped contact has no cells: those of a few positions in slices, else measurements
+    (`lumped_error`).
 
 Each source has an error with its sign, and a doubt. Modes make a body too soft or too stiff,
 elements make it too stiff, positions err either way. Errors are added with their signs and may
@@ -38,10 +39,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.error_rules import (
-    AXIAL,
     COAST,
     ELEMENTS,
     FACE_LOAD,
+    IN_SLICES,
     LARGEST_PRESSURE,
     LINE_FACTOR,
     LINE_LOAD,
@@ -50,7 +51,6 @@ from flankload.analysis.error_rules import (
     NODES,
     PEAK_LINE,
     PEAK_PRESSURE,
-    SLICES,
     STRIPS,
     RemainingError,
     any_smooth_peak,
@@ -60,7 +60,7 @@ from flankload.analysis.error_rules import (
     remaining_errors,
 )
 from flankload.analysis.period_error import HARMONICS_KEY
-from flankload.contact.status import is_marked, on_corner
+from flankload.contact.status import on_corner
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -84,38 +84,6 @@ OVERALL = (
 )
 #: … in three dimensions.
 OF_WIDTH = (LINE_LOAD, PEAK_LINE, FACE_LOAD, LINE_FACTOR)
-#: Error of lumped contacts, with h/L the largest half-width over the length of the shorter flank:
-#: (h/L)² times the first number plus the second; at a corner, a kink or a rounding at least h/L
-#: times the third (pressures there are not estimated); in slices times the part of the load there.
-#: Measured against resolved contacts on gears, rings and cams, sharp, rounded and relieved, under
-#: 0.03 to 3 times their torque.
-LUMPED = {
-    "transmission_error": (0.7, 1e-4, 0.3),
-    "load_share": (0.32, 0.0, 0.2),
-    "peak_pressure": (3.0, 0.003, 0.0),
-}
-#: Error of slices of flanks that conform, of which one unknown spreads the force over the height:
-#: measured beside unknowns on ten strips of the height, with crownings of 20 um, misalignments up
-#: to 5 mrad, pitch errors and offsets.
-SPREAD = {
-    "transmission_error": 0.0035,
-    "load_share": 0.005,
-    "peak_pressure": 0.01,
-    LINE_LOAD: 0.08,
-    PEAK_LINE: 0.08,
-    FACE_LOAD: 0.01,
-    LINE_FACTOR: 0.01,
-}
-#: Least error of lumped contacts in slices, against cells on 40 random pairs of gears (K_Hbeta: on
-#: 23): a slice does not see how the pressure changes along its width.
-LUMPED_IN_SLICES = {
-    "transmission_error": 0.0025,
-    "load_share": 0.006,
-    LINE_LOAD: 0.08,
-    PEAK_LINE: 0.08,
-    FACE_LOAD: 0.02,
-    LINE_FACTOR: 0.05,
-}
 #: Why the peak pressure of a sweep may have any error beyond its estimate: the pressure on sharp
 #: corners has no limit; on a rounding or a chamfer the error was up to 14 times the change that the
 #: estimate sees, as the modes of the tip converge slowly on what is much shorter than an element.
@@ -217,7 +185,7 @@ def estimate_errors(
     weights: Floats,
     *,
     variants: Mapping[str, Mapping[str, object]],
-    lumped: bool = False,
+    lumped: Callable[[int], dict[str, RemainingError]] | None = None,
     sources: Mapping[str, Callable[[Sweep], dict[str, RemainingError]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
@@ -238,9 +206,8 @@ def estimate_errors(
     variants : mapping
         Arguments of `run` for the reduced sweeps, by the source whose error their change shows;
         always "modes".
-    lumped : bool
-        Whether contacts are lumped; there are no cells then, and their error is taken from
-        measurements.
+    lumped : callable or None
+        Errors of the lumped contacts of a torque, by its index; None if contacts have cells.
     sources : mapping
         Further sources: errors that follow from the sweep itself, by quantity; empty if the source
         has no effect.
@@ -249,22 +216,27 @@ def estimate_errors(
     -------
     tuple of Estimate, one per torque
     """
-    coarse = found if lumped else run(compliances=compliances, grid=cells, part=0)
+    coarse = found if lumped is not None else run(compliances=compliances, grid=cells, part=0)
     others = {
         source: run(**{"compliances": compliances, **arguments}, grid=cells, part=number)
         for number, (source, arguments) in enumerate(variants.items(), start=1)
     }
     estimates = []
     for t, part in enumerate(found):
-        errors = _of_lumping(part, compliances) if lumped else _of_cells(part, coarse[t], weights)
+        errors: dict[str, dict[str, RemainingError]] = {}
+        if lumped is None:
+            errors |= _of_cells(part, coarse[t], weights)
+        else:
+            errors["lumped"] = lumped(t)
         each = {source: other[t] for source, other in others.items()}
         errors |= _of_compliances(part, coarse[t], each, compliances, weights)
         errors |= {source: own for source, of in sources.items() if (own := of(part))}
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in errors.values():
                 parts.pop(PEAK_PRESSURE, None)
+                parts.pop(LARGEST_PRESSURE, None)
         for parts in errors.values():
-            if PEAK_PRESSURE in parts:
+            if PEAK_PRESSURE in parts and LARGEST_PRESSURE not in parts:
                 parts[LARGEST_PRESSURE] = at_largest_peak(parts[PEAK_PRESSURE], part)
         estimates.append(Estimate.of(errors, _uncertain_pressure(part, compliances)))
     return tuple(estimates)
@@ -285,13 +257,6 @@ def _uncertain_pressure(
         for z, modes in enumerate(compliance.modes for compliance in compliances)
     )
     return {"peak_pressure": ON_TIPS} if on_tip else {}
-
-
-def _of_lumping(
-    part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> dict[str, dict[str, RemainingError]]:
-    errors = lumped_error(part, compliances)
-    return {"lumped": {quantity: RemainingError(0.0, error) for quantity, error in errors.items()}}
 
 
 def _of_cells(part: Sweep, coarse: Sweep, weights: Floats) -> dict[str, dict[str, RemainingError]]:
@@ -315,58 +280,17 @@ def _of_compliances(
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
     imaged = all(any(compliance.near.wedge) or compliance.is_rigid for compliance in compliances)
     of_modes = MODES_WITH_IMAGES if imaged else MODES
+    in_slices = coarse.slices is not None
     rules = {
-        "modes": NODES if nodal else of_modes,
+        "modes": IN_SLICES if in_slices else NODES if nodal else of_modes,
         "elements": ELEMENTS,
-        "axial": AXIAL,
-        "slices": SLICES,
+        "axial": IN_SLICES,
+        "slices": IN_SLICES,
     }
     errors = {
         source: remaining_errors(rules[source], part, coarse, other, weights)
         for source, other in others.items()
     }
-    if not nodal:
+    if not nodal and not in_slices:
         errors["modes"]["peak_pressure"] = peak_of_modes(part, coarse, others["modes"])
     return errors
-
-
-def lumped_error(
-    found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> dict[str, float]:
-    """Error of a sweep (with its pairs) under lumped contacts, by quantity."""
-    if found.slices is not None and found.slices.conforming:
-        return SPREAD | dict.fromkeys(OVERALL, SPREAD["transmission_error"])
-    loaded = found.pairs.column("force") > 0
-    half_width = np.max(found.pairs.column("cell") * (2.0 / np.pi), initial=0.0, where=loaded)
-    length = min(high - low for low, high in (c.modes.range_mm for c in compliances))
-    ratio = float(half_width / length)
-    shaped = _shaped_part(found)
-    errors = {
-        quantity: max(square * ratio**2 + least, linear * ratio * shaped)
-        for quantity, (square, least, linear) in LUMPED.items()
-    }
-    if found.slices is not None:
-        for quantity, least in LUMPED_IN_SLICES.items():
-            errors[quantity] = max(least, errors.get(quantity, 0.0))
-    if found.coast is not None:
-        errors[COAST] = errors["load_share"]
-    return errors | dict.fromkeys(OVERALL, errors["transmission_error"])
-
-
-def _shaped_part(found: Sweep) -> float:
-    """Part of the load for which contacts beside corners, kinks and ends count.
-
-    Forces do virtual work on the errors of their places: the error of the rotation is their mean,
-    weighted by the forces. In slices only some of a flank's places are of that kind; in the plane,
-    and where a sharp corner carries, the whole load counts.
-    """
-    corner, force = found.site_corner, found.site_force_N
-    if found.slices is not None:
-        corner, force = found.slices.corner_off_ends, found.slices.force_N
-    marked = is_marked(corner) & (force > 0)
-    if not marked.any():
-        return 0.0
-    if found.slices is None or (marked & on_corner(corner)).any():
-        return 1.0
-    each = tuple(range(1, force.ndim))
-    return float(np.max(np.where(marked, force, 0.0).sum(axis=each) / force.sum(axis=each)))

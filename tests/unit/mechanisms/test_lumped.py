@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.estimate import LUMPED
+from flankload.analysis.lumped_error import LUMPED
 from tests.support.gear_scenes import changed, refusal
 from tests.support.paths import SCENES
 from tests.support.tolerances import ROUND_OFF

@@ -117,7 +117,9 @@ class FlankPair:
         estimates: Sequence[Mapping[str, object] | None],
     ) -> tuple[Result, ...]:
         """Results, one per torque."""
-        unseen = incomplete_estimate_notes(assembly, compliances) if any(estimates) else ()
+        unseen: tuple[str, ...] = ()
+        if any(estimates):
+            unseen = incomplete_estimate_notes(assembly, compliances, states.found)
         results = []
         for found, estimate, doubt in zip(
             states.found, estimates, states.position_errors, strict=True

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
 from flankload.analysis.estimate import estimate_errors
+from flankload.analysis.lumped_error import (
+    error_beside_cells,
+    measured_error,
+    positions_for_cells,
+)
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
 from flankload.base.number_text import percent
+from flankload.contact.status import on_corner
 from flankload.contact.sweep import known_contacts, sweep
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
@@ -186,20 +193,21 @@ def error_estimates(
                 return sweep(
                     replace(states.contact, **other),
                     states.position_rad,
-                    [found[t].torque_Nmm for t in loaded],
+                    [part.torque_Nmm for part in under_load],
                     keep_pairs=False,
                     account=account,
                     progress=clock.sweep_progress("estimate", sweep=part),
                 )
 
+            under_load, weights = tuple(found[t] for t in loaded), _weights(pair)
             estimated = estimate_errors(
-                tuple(found[t] for t in loaded),
+                under_load,
                 run_again,
                 compliances,
                 grid if lumped else grid.coarser(),
-                _weights(pair),
+                weights,
                 variants=_variants(pair, compliances),
-                lumped=lumped,
+                lumped=_lumped_errors(under_load, states, compliances, weights) if lumped else None,
                 sources=_sources(pair, compliances),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
@@ -208,6 +216,27 @@ def error_estimates(
         account.bytes += held_bytes(compliance.fe_error)
         clock.move(compliance.job.seconds, elements_stage(name), "estimate")
     return estimates
+
+
+def _lumped_errors(
+    found: tuple[Sweep, ...],
+    states: FlankStates,
+    compliances: Compliances,
+    weights: NDArray[np.float64],
+) -> Callable[[int], dict[str, RemainingError]]:
+    """Errors of lumped contacts of a torque by its index: beside cells where slices have them."""
+    if found[-1].slices is not None and not found[-1].slices.conforming:
+        at = positions_for_cells(found[-1])
+        with suppress(ContactError):  # then from measurements
+            # an account of its own: how many cells these are, no plan knows
+            cells = sweep(
+                replace(states.contact, level="pairs"),
+                states.position_rad[at],
+                [part.torque_Nmm for part in found],
+                keep_pairs=False,
+            )
+            return lambda t: error_beside_cells(found[t], cells[t], at, weights)
+    return lambda t: measured_error(found[t], compliances)
 
 
 def _weights(pair: BodyPair) -> NDArray[np.float64]:
@@ -252,16 +281,15 @@ def _sources(
     return sources
 
 
-def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
-    """Notes on bodies whose discretization error the estimate does not include."""
-    if pair.slices is not None:
-        jumps = any(body.axial and body.axial.regions for body in pair.bodies)
-        slower = ", converging slowly where widths jump" * jumps
-        note = (
-            "not included in the estimated error: the polynomial degree along the axis "
-            f"(accuracy.axial_degree{slower}) and forces at tip corners"
-        )
-        return (note,)
+def incomplete_estimate_notes(
+    pair: BodyPair, compliances: Compliances, found: tuple[Sweep, ...]
+) -> tuple[str, ...]:
+    """Notes on contacts and bodies whose error the estimate does not include."""
+    slices = [part.slices for part in found if part.slices is not None]
+    if slices:
+        tips = any(on_corner(one.corner_off_ends).any() for one in slices)
+        note = "not included in the estimated error: the direction of forces at sharp tip corners"
+        return (note,) if tips else ()
     unknown = [
         name
         for name, body, compliance in zip(pair.names, pair.bodies, compliances, strict=True)
