@@ -138,7 +138,7 @@ _FORTRAN = (
         "core",
         ("+ zones(pairs%zone(of(i)))%offset(end(i))", ""),
         (
-            "end(i) = findloc(zones(pairs%zone(i))%body, b, dim=1)",
+            "end(i) = member_of(zones(pairs%zone(i)), b)",
             "end(i) = findloc([1, 2], b, dim=1)",
         ),
     ),
