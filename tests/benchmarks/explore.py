@@ -22,7 +22,7 @@ CASES = (
 )
 #: Wanted seconds from the elements to the painted page.
 WANTED_START_S = 2.0
-EVENTS, PAUSE_S = 25, 0.6
+EVENTS, PAUSE_S = 15, 0.6
 READY = "window.flankload_painted >= 1 && deep('canvas').length > 3"
 #: A step of the first slider, and the time until an answer is painted.
 STEP = """new Promise(done => {

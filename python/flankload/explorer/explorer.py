@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 #: Height of the page in a notebook, pixels.
 INLINE_HEIGHT = 900
+#: Starts of an optimisation, the design that is shown among them: figures have several minima.
+STARTS = 4
 
 
 class Explorer:
@@ -171,7 +173,7 @@ class Explorer:
                  "lower": min(key.low, start[key.path]), "upper": max(key.high, start[key.path])}
                 for key in self.shown if not key.path.startswith("load.")
             ]  # fmt: skip
-            found = optimise(named, variables, figure, progress=progress)
+            found = optimise(named, variables, figure, progress=progress, starts=STARTS)
             best = {path: self.keys[path].number(value) for path, value in found.values.items()}
             self.ask({**values, **best})
 

@@ -126,6 +126,18 @@ def test_a_broken_premise_is_the_error_of_the_change(explorer: Any) -> None:
     assert explorer.change(TORQUE).torque_Nm == 200.0
 
 
+def test_an_optimisation_goes_to_a_better_design_and_undo_returns() -> None:
+    scene = scene_of().replace({"positions.count": 8})
+    figure = "transmission_error_peak_to_peak_um"
+    with fl.explore(scene, ["body_1.profile_crowning_um"], open_browser=False) as own:
+        before = own.result.summary[figure]
+        own.optimise(figure).result()
+        assert own.scene.body_1.profile_crowning_um > 0
+        assert own.result.summary[figure] < 0.9 * before
+        own.undo()
+        assert own.scene.body_1.profile_crowning_um == scene.body_1.profile_crowning_um
+
+
 def test_a_notebook_shows_the_page(explorer: Any) -> None:
     assert f'<iframe src="{explorer.url}"' in explorer._repr_html_()
 
