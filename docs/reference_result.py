@@ -18,6 +18,7 @@ from flankload.cost import COUNTERS
 from flankload.result import friction, quantities, root_stress
 from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.optional_results import OVER_COAST_SITES
+from flankload.result.stage import StageLoads
 
 
 class Quantity(NamedTuple):
@@ -58,9 +59,9 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         )
         for name, (attribute, unit) in arrays.items()
     ]
-    chains, belts = (
+    chains, belts, stages = (
         group(drive.units("P"), "(P,)", drive) + group(drive.units("PS"), "(P, S)", drive)
-        for drive in (ChainDrive, BeltDrive)
+        for drive in (ChainDrive, BeltDrive, StageLoads)
     )
     return [
         ("Numbers", "In every result.", group(quantities.SINGLE_NUMBERS, "")),
@@ -96,6 +97,7 @@ def result_groups() -> list[tuple[str, str, list[Quantity]]]:
         ),
         ("Chain drives", "`result.drive` of a chain on its sprocket.", chains),
         ("Belt drives", "`result.drive` of a belt on its pulley.", belts),
+        ("Planetary stages", "`result.stage`; the sites are the planets.", stages),
     ]
 
 

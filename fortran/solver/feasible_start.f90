@@ -157,16 +157,21 @@ contains
 
         sense = merge(-1.0_wp, 1.0_wp, problem%loads < 0.0_wp)
         sizes = maxval(abs(problem%load_rows), dim=2)
-        call find_basis(unit_rows(small_row), abs(problem%loads), .false., pairs, forces, motion, &
-            & outcome)
+        call find_basis(unit_rows(small_row), abs(problem%loads), .false., .false., pairs, forces, &
+            & motion, outcome)
+        ! Nearly equal rows in one basis: the best conditioned bases instead.
+        if (outcome == start_unconstrained) then
+            call find_basis(unit_rows(small_row), abs(problem%loads), .false., .true., pairs, &
+                & forces, motion, outcome)
+        end if
         if (outcome /= start_found .and. any(sizes > 0.0_wp .and. sizes < small_row)) then
-            call find_basis(unit_rows(0.0_wp), abs(problem%loads), .false., pairs, forces, motion, &
-                & outcome)
+            call find_basis(unit_rows(0.0_wp), abs(problem%loads), .false., .false., pairs, &
+                & forces, motion, outcome)
         end if
         holds = outcome == start_found
         if (holds) holds = minval(forces) >= -tensile_tolerance*maxval(forces)
         if (.not. holds) then
-            call find_basis(unit_rows(0.0_wp), abs(problem%loads), .true., other_pairs, &
+            call find_basis(unit_rows(0.0_wp), abs(problem%loads), .true., .false., other_pairs, &
                 & other_forces, other_motion, other_outcome)
             if (other_outcome == start_found &
                 & .or. (other_outcome == start_infeasible .and. outcome /= start_found)) then
@@ -200,14 +205,17 @@ contains
     end subroutine first_phase
 
     !> Replace artificial forces by pairs until the pairs balance the loads. Bland's rule prevents
-    !> cycling in exact arithmetic.
-    pure subroutine find_basis(rows, loads, graded, pairs, forces, motion, outcome)
+    !> cycling in exact arithmetic; the rule of the largest pivot avoids nearly equal rows in a
+    !> basis, such as those of two pairs of one gear mesh.
+    pure subroutine find_basis(rows, loads, graded, largest, pairs, forces, motion, outcome)
         !> Load rows scaled to a largest entry of one, or zero, shape (n, n_motions)
         real(wp), intent(in) :: rows(:, :)
         !> Loads, not negative, shape (n_motions)
         real(wp), intent(in) :: loads(:)
         !> True for rounding errors relative to the terms of each sum instead of to one
         logical, intent(in) :: graded
+        !> True for the rule of the largest pivot instead of Bland's rule
+        logical, intent(in) :: largest
         !> Pairs of the start, shape (n_motions)
         integer, allocatable, intent(out) :: pairs(:)
         !> Forces of these pairs, negative only by rounding, shape (n_motions)
@@ -234,11 +242,8 @@ contains
                 return
             end if
             prices = sum(inverse, dim=1, mask=spread(pairs < 0, 2, q))
-            do j = 1, size(rows, 1)
-                if (any(pairs == j)) cycle
-                if (dot_product(prices, rows(j, :)) > rounding(prices, rows(j, :), graded)) exit
-            end do
-            if (j > size(rows, 1)) then
+            j = entering_pair(rows, prices, graded, largest, pairs)
+            if (j == 0) then
                 outcome = start_infeasible
                 motion = prices
                 return
@@ -247,11 +252,42 @@ contains
             do c = 1, q
                 if (entering(c) <= rounding(inverse(c, :), rows(j, :), graded)) entering(c) = 0.0_wp
             end do
-            leaving = blocking_row(forces, entering, pairs)
+            leaving = blocking_row(forces, entering, pairs, merge(tolerance*sum(loads), 0.0_wp, &
+                & largest))
             if (leaving == 0) return
             pairs(leaving) = j
         end do
     end subroutine find_basis
+
+    !> Return the pair that enters a basis, 0 if none reduces the artificial forces.
+    pure function entering_pair(rows, prices, graded, largest, basis) result(entering)
+        !> Load rows scaled to a largest entry of one, or zero, shape (n, n_motions)
+        real(wp), intent(in) :: rows(:, :)
+        !> Decrease of the artificial forces per unit of each load, shape (n_motions)
+        real(wp), intent(in) :: prices(:)
+        !> True for rounding errors relative to the terms of each sum instead of to one
+        logical, intent(in) :: graded
+        !> True for the pair that reduces them most, false for the first one
+        logical, intent(in) :: largest
+        !> Basis: pairs (> 0) and artificial forces (-c of load c), shape (n_motions)
+        integer, intent(in) :: basis(:)
+        integer :: entering
+
+        integer :: j
+        real(wp) :: decrease, most
+
+        entering = 0
+        most = 0.0_wp
+        do j = 1, size(rows, 1)
+            if (any(basis == j)) cycle
+            decrease = dot_product(prices, rows(j, :))
+            if (decrease <= rounding(prices, rows(j, :), graded)) cycle
+            if (entering > 0 .and. decrease <= most) cycle
+            entering = j
+            most = decrease
+            if (.not. largest) return
+        end do
+    end function entering_pair
 
     !> Return whether the remaining artificial forces are zero up to rounding.
     pure function are_balanced(inverse, loads, graded, basis, forces) result(held)
@@ -291,21 +327,39 @@ contains
     end function rounding
 
     !> Return the row of the basis whose force first becomes zero, that of the lowest pair number in
-    !> case of a tie.
-    pure function blocking_row(forces, entering, basis) result(leaving)
+    !> case of a tie; with an allowed tensile force, the row of the largest decrease among those
+    !> whose force is not below that tension when the first one is.
+    pure function blocking_row(forces, entering, basis, tension) result(leaving)
         !> Forces of the basis
         real(wp), intent(in) :: forces(:)
         !> Decrease of these forces per unit of the entering force; zero or less if it is rounding
         real(wp), intent(in) :: entering(:)
         !> Basis: pairs (> 0) and artificial forces (-c of load c), shape (n_motions)
         integer, intent(in) :: basis(:)
+        !> Allowed tensile force; 0 for Bland's rule
+        real(wp), intent(in) :: tension
         integer :: leaving
 
         integer :: c
-        real(wp) :: way, best_way
+        real(wp) :: way, best_way, limit
 
         leaving = 0
         best_way = huge(1.0_wp)
+        if (tension > 0.0_wp) then
+            limit = huge(1.0_wp)
+            do c = 1, size(basis)
+                if (entering(c) > 0.0_wp) limit = min(limit, &
+                    & (max(forces(c), 0.0_wp) + tension)/entering(c))
+            end do
+            do c = 1, size(basis)
+                if (entering(c) <= 0.0_wp .or. max(forces(c), 0.0_wp) > limit*entering(c)) cycle
+                if (leaving > 0) then
+                    if (entering(c) <= entering(leaving)) cycle
+                end if
+                leaving = c
+            end do
+            return
+        end if
         do c = 1, size(basis)
             if (entering(c) <= 0.0_wp) cycle
             way = max(forces(c), 0.0_wp)/entering(c)

@@ -199,7 +199,8 @@ def test_a_thin_rim_on_a_flexible_shaft_has_another_remedy() -> None:
     steps = {"diameters_mm": [55.0], "lengths_mm": [140.0], "gear_position_mm": 70.0}
     ends = {"bearing_positions_mm": [10.0, 130.0], "radial_stiffness_N_per_um": [200.0, 200.0]}
     shaft = {**steps, **ends, "under_teeth": "flexible", "torque_end": "I"}
-    (note,) = rim_notes(build_bodies(scene(55.0, "held", pinion={"shaft": shaft})).bodies)
+    pair = build_bodies(scene(55.0, "held", pinion={"shaft": shaft}))
+    (note,) = rim_notes(pair.names, pair.bodies)
     remedy = "held, it cannot bend (on a pinion shaft, half the root diameter suits "
     assert note.endswith(remedy + "body_1.bore_diameter_mm)")
 

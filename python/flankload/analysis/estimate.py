@@ -180,7 +180,7 @@ class Estimate:
 def estimate_errors(
     found: tuple[Sweep, ...],
     run: Callable[..., tuple[Sweep, ...]],
-    compliances: tuple[BodyCompliance, BodyCompliance],
+    compliances: tuple[BodyCompliance, ...],
     cells: Grid,
     weights: Floats,
     *,
@@ -242,9 +242,7 @@ def estimate_errors(
     return tuple(estimates)
 
 
-def _uncertain_pressure(
-    part: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> dict[str, str]:
+def _uncertain_pressure(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> dict[str, str]:
     """The peak pressure with the reason if no estimate bounds its error; else nothing."""
     if on_corner(part.site_corner).any():
         slices = part.slices
@@ -273,7 +271,7 @@ def _of_compliances(
     part: Sweep,
     coarse: Sweep,
     others: Mapping[str, Sweep],
-    compliances: tuple[BodyCompliance, BodyCompliance],
+    compliances: tuple[BodyCompliance, ...],
     weights: Floats,
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""

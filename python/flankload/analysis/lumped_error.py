@@ -110,16 +110,14 @@ def error_beside_cells(
 
 
 def measured_error(
-    found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
+    found: Sweep, compliances: tuple[BodyCompliance, ...]
 ) -> dict[str, RemainingError]:
     """Errors of lumped contacts without cells, from measurements, by quantity."""
     errors = lumped_error(found, compliances)
     return {name: RemainingError(0.0, error) for name, error in errors.items()}
 
 
-def lumped_error(
-    found: Sweep, compliances: tuple[BodyCompliance, BodyCompliance]
-) -> dict[str, float]:
+def lumped_error(found: Sweep, compliances: tuple[BodyCompliance, ...]) -> dict[str, float]:
     """Error of a sweep (with its pairs) under lumped contacts in the plane, or of splines."""
     if found.slices is not None and found.slices.conforming:
         return SPREAD | dict.fromkeys(OVERALL, SPREAD["transmission_error"])

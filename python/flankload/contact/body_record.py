@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from flankload.flank import FlankCurve
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
+    from flankload.scene.discretization import Grid
 
     Part = tuple[str, NDArray[np.float64]]
 
@@ -69,20 +70,63 @@ def records_of(contact: FlankContact) -> tuple[NDArray[np.float64], ...]:
 
 def _mesh_record(contact: FlankContact) -> NDArray[np.float64]:
     """Record of the mesh."""
-    pairing, grid, axial = contact.pairing, contact.grid, contact.compliances[0].modes.axial
+    pairing, axial = contact.pairing, contact.compliances[0].modes.axial
     arguments = (
         core_sites(contact),
-        np.array([[0.0, pairing.center_distance_mm], [0.0, 0.0]], order="F"),
+        _axes(pairing.center_distance_mm),
         0.0 if contact.slices is None or axial is None else axial.twist,
-        np.array(
-            [
-                *(grid.strips_per_half_width, grid.corner_strips_per_half_width),
-                *(grid.zone_half_widths, LEVELS[contact.level], contact.finite_steps),
-            ],
-            float,
-        ),
+        _settings(contact.grid, contact.level, contact.finite_steps),
     )
     return _packed(_core.flankload_pack_mesh, arguments, _mesh_parts(contact))
+
+
+def packed_mesh(
+    n_sites: int, center_distance_mm: float, grid: Grid, level: Level
+) -> NDArray[np.float64]:
+    """Record of a plane mesh."""
+    arguments = (n_sites, _axes(center_distance_mm), 0.0, _settings(grid, level))
+    return _packed(_core.flankload_pack_mesh, arguments, [])
+
+
+def packed_body(
+    body: Body,
+    compliance: BodyCompliance,
+    *,
+    angles_rad: NDArray[np.float64],
+    deviations_mm: NDArray[np.float64],
+    block: NDArray[np.int64],
+    face_width_mm: float,
+) -> NDArray[np.float64]:
+    """Record of a plane body in several meshes, with its sites mesh after mesh.
+
+    Parameters
+    ----------
+    angles_rad, deviations_mm : (S,) arrays
+        Angle of the flank at each site in the frame of the body, and excess of its material.
+    block : (S, S) array
+        Blocks of the compliance, from 0.
+    """
+    compliance = _of_width(compliance, face_width_mm)
+    parts = _compliance_parts(compliance, np.zeros(0, dtype=np.int64))
+    curve = _active(body, body.curve)
+    arguments = _arguments(body, compliance, curve, angles_rad, deviations_mm, block)
+    return _packed(_core.flankload_pack_body, arguments, parts)
+
+
+def _axes(center_distance_mm: float) -> NDArray[np.float64]:
+    """(2, 2) Axes of both bodies in the frame of the mesh."""
+    return np.array([[0.0, center_distance_mm], [0.0, 0.0]], order="F")
+
+
+def _settings(grid: Grid, level: Level, finite_steps: int = 0) -> NDArray[np.float64]:
+    """Settings of the record of a mesh."""
+    return np.array(
+        [
+            *(grid.strips_per_half_width, grid.corner_strips_per_half_width),
+            *(grid.zone_half_widths, LEVELS[level], finite_steps),
+        ],
+        float,
+    )
 
 
 def core_sites(contact: FlankContact) -> int:
@@ -129,6 +173,18 @@ def _main_arguments(
     block = slices.site_blocks(
         compliance.blocks_of_sites(pairing.teeth_of(z), pairing.sites.size, body.teeth)
     )
+    return _arguments(body, compliance, curve, angles, deviations, block)
+
+
+def _arguments(
+    body: Body,
+    compliance: BodyCompliance,
+    curve: FlankCurve,
+    angles_rad: NDArray[np.float64],
+    deviations_mm: NDArray[np.float64],
+    block: NDArray[np.int64],
+) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
+    """Arguments of `flankload_pack_body` for sites with blocks of the compliance, from 0."""
     corners = curve.corners.astype(np.intc)
     if body.active_range_mm is not None:
         corners[[0, -1]] = CUT_CORNER
@@ -136,8 +192,8 @@ def _main_arguments(
         curve.breaks,
         _powers_first(curve),
         corners,
-        angles,
-        deviations,
+        angles_rad,
+        deviations_mm,
         np.array(compliance.modes.range_mm, dtype=float),
         compliance.near.kernel,
         np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),

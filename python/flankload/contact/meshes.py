@@ -182,7 +182,7 @@ def solve_meshes(
         if not np.any(outputs[0] == Status.NO_ROOM):
             break
         room *= 2
-    return _states(outputs[:-1], site, table.reshape(room, -1))
+    return _states(outputs[:-1], site, table.reshape(room, len(columns_of(friction=False))))
 
 
 def _states(

@@ -82,7 +82,7 @@ def elements_call(
             friction=has_tangential_loads(body, effects) or tangential,
             along=effects.friction and effects.finite_influence,
             nodal=effects.nodal_near_field,
-            coast_flanks=scene.effects.coast_flank,
+            coast_flanks=job.coast_flanks or scene.effects.coast_flank,
             fillets=job.fillets,
             estimate=estimate,
         ),

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies import Body, SectorMesh, WholeMesh
+    from flankload.contact.core_call import KnownContacts
     from flankload.cost import Account
     from flankload.mechanisms.data_sheet import DataSheet
     from flankload.mechanisms.parameters import Parameters
@@ -164,6 +165,10 @@ class States(Protocol):
     @property
     def found(self) -> tuple[Any, ...]:
         """States in the form of the drive, one entry per torque."""
+
+    @property
+    def known(self) -> KnownContacts | None:
+        """Pairs in contact, from which similar states are continued; None if these are not."""
 
 
 #: Types of a kind of drive: its assembly, the compliances of its bodies, its states.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -68,9 +68,12 @@ class WrappedStates:
     ----------
     found : tuple of lists
         For each torque, the state at each position.
+    known : None
+        Similar states are not continued from these.
     """
 
     found: tuple[list[Any], ...]
+    known: ClassVar[None] = None
 
 
 def positions_of(scene: Scene, pitch_rad: float) -> tuple[Floats, int | None]:

@@ -32,11 +32,14 @@ class BodyJob:
         Root fillets, if their stress is requested.
     body_load : BodyLoad or None
         Causes of thermal and centrifugal expansion, if any.
+    coast_flanks : bool
+        Whether coast flanks carry load as well.
     """
 
     elastic: bool
     fillets: RootFillets | None = None
     body_load: BodyLoad | None = None
+    coast_flanks: bool = False
 
     @property
     def needs_elements(self) -> bool:

@@ -216,11 +216,11 @@ def _pair_gears(
         _turn_to_pitch_point(body_1, distance * body_1.teeth / circles, 0.0 if sense > 0 else pi),
         _turn_to_pitch_point(body_2, distance * body_2.teeth / circles, pi),
     )
-    sites = _sites(gears, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
+    sites = path_sites(gears, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
     sites = _with_flanks(sites, body_1, body_2)
     (teeth_1, angles_1), (teeth_2, angles_2) = (
-        _at_sites(body_1, sites, 1),
-        _at_sites(body_2, sites, -sense),
+        at_sites(body_1, sites, 1),
+        at_sites(body_2, sites, -sense),
     )
     return Pairing(
         center_distance_mm=distance,
@@ -250,7 +250,7 @@ def _pair_spline(shaft: Body, hub: Body, offset: float, *, coast_flanks: bool) -
         period=period_of(shaft, hub),
         sites=sites,
         site_teeth=(sites, sites),
-        site_angles_rad=(angles + _pitch_turns(shaft, sites), angles + _pitch_turns(hub, sites)),
+        site_angles_rad=(angles + pitch_turns(shaft, sites), angles + pitch_turns(hub, sites)),
         site_deviations_mm=(np.zeros(sites.size), np.zeros(sites.size)),
         warnings=tuple(warnings),
         fit=fit,
@@ -286,7 +286,7 @@ def _turn_to_pitch_point(body: Body, pitch_radius: float, direction: float) -> f
     return direction - body.involute.polar_angle_at(pitch_radius)
 
 
-def _sites(
+def path_sites(
     gears: GearGeometry | None,
     teeth_1: int,
     teeth_2: int,
@@ -335,7 +335,7 @@ def _with_flanks(sites: NDArray[np.int64], body_1: Body, body_2: Body) -> NDArra
     return sites[there]
 
 
-def _at_sites(
+def at_sites(
     body: Body, sites: NDArray[np.int64], sense: int
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Teeth (S,) of a body at its sites, and their angles (S,) in its frame, rad.
@@ -347,10 +347,10 @@ def _at_sites(
     angles = sense * 2 * pi * sites / body.teeth
     # flanks from a file may deviate from equal angles
     own = np.asarray(body.flank_turns_rad)[teeth] if body.flank_turns_rad else 0.0
-    return teeth, angles + _pitch_turns(body, -sites) + own
+    return teeth, angles + pitch_turns(body, -sites) + own
 
 
-def _pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
+def pitch_turns(body: Body, entries: NDArray[np.int64]) -> NDArray[np.float64]:
     """Rotations (S,) of the flanks by pitch errors, rad; `entries`: number of the error of a site.
 
     Excess material along the base tangent rotates the flank counter-clockwise on external teeth,
@@ -384,11 +384,11 @@ def period_of(body_1: Body, body_2: Body, *, by_tooth: tuple[float, ...] = ()) -
     """Period of a pair; `by_tooth` is another property of each tooth of body 1 (friction)."""
     return Period(
         pitch_rad=2 * pi / body_1.teeth,
-        pitches=lcm(_teeth_until_alike(body_1, by_tooth), _teeth_until_alike(body_2)),
+        pitches=lcm(teeth_until_alike(body_1, by_tooth), teeth_until_alike(body_2)),
     )
 
 
-def _teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
+def teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
     """Number of teeth after which deviations, and another property, repeat around a body."""
     places = np.zeros((4, body.teeth))
     if by_tooth:

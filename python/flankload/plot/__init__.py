@@ -66,6 +66,16 @@ from flankload.plot.root_stress import (
     plot_root_stress,
     plot_root_stress_over_width,
 )
+from flankload.plot.stage import (
+    draw_mesh_load_factor,
+    draw_planet_load_share,
+    draw_planetary_stage,
+    draw_sun_orbit,
+    plot_mesh_load_factor,
+    plot_planet_load_share,
+    plot_planetary_stage,
+    plot_sun_orbit,
+)
 from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
 from flankload.plot.whole_circle import (
     draw_flank_pressure,
@@ -117,15 +127,19 @@ __all__ = [
     "draw_load_sharing",
     "draw_loaded_pair",
     "draw_map",
+    "draw_mesh_load_factor",
     "draw_on",
     "draw_over_torque",
     "draw_pareto",
     "draw_peak_pressure",
+    "draw_planet_load_share",
+    "draw_planetary_stage",
     "draw_pressure_over_diameter",
     "draw_profile_deviation",
     "draw_root_stress",
     "draw_root_stress_over_width",
     "draw_stiffness",
+    "draw_sun_orbit",
     "draw_tension_around_wrap",
     "draw_tensions",
     "draw_torque_sweep",
@@ -148,12 +162,16 @@ __all__ = [
     "plot_load_per_tooth",
     "plot_load_sharing",
     "plot_loaded_pair",
+    "plot_mesh_load_factor",
     "plot_peak_pressure",
+    "plot_planet_load_share",
+    "plot_planetary_stage",
     "plot_pressure_over_diameter",
     "plot_profile_deviation",
     "plot_root_stress",
     "plot_root_stress_over_width",
     "plot_stiffness",
+    "plot_sun_orbit",
     "plot_tensions",
     "plot_torque_sweep",
     "plot_transmission_error",
@@ -276,13 +294,16 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
         all around: load_per_tooth, flank_pressure, loaded_pair, and for several positions
         transmission_error. Chains: transmission_error, chain_on_sprocket, tensions and stiffness.
         Belts: belt_on_pulley, load_around_wrap, and for several positions transmission_error and
-        force_through_wrap. All: load_map for several positions, transmission_error_spectrum if
+        force_through_wrap. Planetary stages: planetary_stage, and for several positions
+        transmission_error, planet_load_share, and sun_orbit if the sun moves; mesh_load_factor for
+        several torques. All: load_map for several positions, transmission_error_spectrum if
         these cover the period, root_stress if requested (in three dimensions also
         root_stress_over_width), torque_sweep for several torques.
     """
     shown = as_results(results)
     found = {name: None for one in shown for name in one.engagement.pictures(one)}
-    return (*found, *["torque_sweep"] * (len(shown) > 1))
+    over_torque = ["torque_sweep", *["mesh_load_factor"] * (shown[0].stage is not None)]
+    return (*found, *over_torque * (len(shown) > 1))
 
 
 def suited(name: str, results: Sequence[Result]) -> Sequence[Result]:

@@ -25,6 +25,9 @@ SECTIONS = {
     "Motion": ("transmission_error", "transmission_error_spectrum", "follower_motion"),
     "Load sharing": (
         "load_sharing",
+        "planet_load_share",
+        "mesh_load_factor",
+        "sun_orbit",
         "load_per_tooth",
         "flank_forces",
         "load_around_wrap",
@@ -36,7 +39,7 @@ SECTIONS = {
     "Load over the face width": ("line_load", "line_load_map", "contact_pattern"),
     "Stiffness and torque": ("stiffness", "torque_sweep"),
     "Root stress": ("root_stress", "root_stress_over_width"),
-    "Loaded bodies": ("loaded_pair", "belt_on_pulley", "chain_on_sprocket"),
+    "Loaded bodies": ("loaded_pair", "planetary_stage", "belt_on_pulley", "chain_on_sprocket"),
     "Profiles": ("profile_deviation",),
 }
 #: Section of plots that are in no other one.
@@ -52,13 +55,16 @@ TITLES = {
     "load_around_wrap": "Forces around the wrap",
     "tension_around_wrap": "Tension and lands around the wrap",
     "force_through_wrap": "Force of a tooth on its way through the wrap",
+    "planet_load_share": "Load shares of the planets",
+    "mesh_load_factor": "K_gamma over the torque",
+    "sun_orbit": "Orbit of the sun",
     "tensions": "Tension around the sprocket",
     "load_per_tooth": "Force per tooth",
 }
 #: Sizes in inches: of a plot of half a page, and of drawings.
 SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
 #: Pictures of whole bodies.
-OF_BODIES = ("loaded_pair", "belt_on_pulley", "chain_on_sprocket")
+OF_BODIES = ("loaded_pair", "planetary_stage", "belt_on_pulley", "chain_on_sprocket")
 #: Points of an outline may lie off by this part of the tip radius.
 OFF = 2e-4
 

@@ -31,8 +31,9 @@ class Drive(Card, Engagement):
     The metadata of arrays have their unit by their axes, "P" or "PS".
     """
 
-    #: Name of the drive in a report.
+    #: Name of the drive in a report, and of its quantities in JSON.
     name: ClassVar[str]
+    key: ClassVar[str] = "drive"
     has_mesh_orders = True
     has_pressures = False
     draws_pressures = False
@@ -47,6 +48,10 @@ class Drive(Card, Engagement):
     def as_dict(self) -> dict[str, Any]:
         """The drive in the form of the JSON result."""
         return {item.name: getattr(self, item.name) for item in fields(self)}  # type: ignore[arg-type]
+
+    def summary(self, result: Result) -> dict[str, Any]:
+        """Further entries of the summary of a result."""
+        return {}
 
     @abstractmethod
     def words(self) -> str:

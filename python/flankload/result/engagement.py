@@ -40,6 +40,9 @@ class Engagement(ABC):
     sliding_body: ClassVar[str] = "body 1"
     #: Whether a pair is at the place of the next one a pitch later; a cam has one pair.
     pairs_advance: ClassVar[bool] = True
+    #: Whether a site has the same number at all positions, and its word in the names of columns.
+    sites_stay: ClassVar[bool] = False
+    site_word: ClassVar[str] = "pair"
     #: Label of the axis of a load map along which the pairs advance.
     way: ClassVar[str] = "place of the pair in mesh pitches from the pitch point"
     #: Whether the sites are all flanks there are, so that the first follows the last.

@@ -164,7 +164,7 @@ def _tree(result: Result) -> dict[str, Any]:
     if result.accuracy is not None:
         tree["accuracy"] = result.accuracy
     if result.drive is not None:
-        tree["drive"] = result.drive.as_dict()
+        tree[result.drive.key] = result.drive.as_dict()
     tree |= {key: values for key, (values, _) in over_some_sites(result).items()}
     tree["pairs"] = [table.columns() for table in result.pair_tables]
     if result.coast is not None:
@@ -198,11 +198,12 @@ def results_to_csv(
     sites = sorted({int(site) for result in several for site in result.sites})
     along = [along_positions(result) for result in several]
     over = [over_sites(result) for result in several]
+    word = several[0].engagement.site_word
     keys, site_keys = units_of(along, ALONG_POSITIONS), units_of(over, OVER_SITES)
     units = {
         "torque_Nm": "N m",
         **keys,
-        **{f"{key}_pair_{j}": unit for j in sites for key, unit in site_keys.items()},
+        **{f"{key}_{word}_{j}": unit for j in sites for key, unit in site_keys.items()},
     }
     rows = [[form.head(key, unit) for key, unit in units.items()]]
     for result, alone, at_sites in zip(several, along, over, strict=True):

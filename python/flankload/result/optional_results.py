@@ -17,6 +17,7 @@ from flankload.result.loaded_positions import LoadedPositions
 from flankload.result.pairs import PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress
 from flankload.result.slices import SliceLoads
+from flankload.result.stage import StageLoads
 from flankload.result.torque_axis import per_torque
 
 #: Arrays over positions and sites that only results with coast flanks have, with their units.
@@ -87,7 +88,7 @@ class EffectResults(LoadedPositions):
 
     friction: FrictionResult | None = None
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
-    drive: ChainDrive | BeltDrive | None = None
+    drive: ChainDrive | BeltDrive | StageLoads | None = None
     coast: CoastContact | None = None
     slices: SliceLoads | None = None
     shafts: ShaftLoads | None = None
@@ -102,8 +103,60 @@ class EffectResults(LoadedPositions):
         """How the bodies touch: words, tables and pictures that depend on it."""
         return engagement_of(self.by_torque[0])
 
+    @per_torque
+    def stage(self) -> StageLoads | None:
+        """Loads of a planetary stage; None without one."""
+        return self.drive if isinstance(self.drive, StageLoads) else None
+
+    @per_torque
+    def mesh_load_factor(self) -> Floats | None:
+        """(P,) K_gamma: number of planets times the largest share; None without planets."""
+        return None if self.stage is None else self.stage.mesh_load_factor
+
+    @per_torque
+    def planet_load_share(self) -> Floats | None:
+        """(P, n) Share of each planet in the load of the meshes with the sun; None without one."""
+        return None if self.stage is None else self.load_share
+
+    @per_torque
+    def planet_force_N(self) -> Floats | None:
+        """(P, n, 2) Force of the sun on each planet, in the frame of the carrier."""
+        return None if self.stage is None else self.stage.planet_force_N
+
+    @per_torque
+    def pin_force_N(self) -> Floats | None:
+        """(P, n, 2) Force of each planet on its pin, in the frame of the carrier."""
+        return None if self.stage is None else self.stage.pin_force_N
+
+    @per_torque
+    def sun_orbit_um(self) -> Floats | None:
+        """(P, 2) Displacement of the sun of a stage in the frame of the carrier."""
+        return None if self.stage is None else self.stage.sun_orbit_um
+
+    @per_torque
+    def ring_orbit_um(self) -> Floats | None:
+        """(P, 2) Displacement of the ring of a stage in the frame of the carrier."""
+        return None if self.stage is None else self.stage.ring_orbit_um
+
+    @per_torque
+    def ring_torque_Nm(self) -> Floats | None:
+        """(P,) Torque of the planets on the ring, clockwise; None without a stage."""
+        return None if self.stage is None else self.stage.ring_torque_Nm
+
+    @per_torque
+    def carrier_torque_Nm(self) -> Floats | None:
+        """(P,) Torque on the carrier, counter-clockwise; None without a stage."""
+        return None if self.stage is None else self.stage.carrier_torque_Nm
+
+    @per_torque
+    def transmission_error_output_urad(self) -> Floats | None:
+        """(P,) Transmission error at the carrier, with the ring at rest; None without a stage."""
+        return None if self.stage is None else self.stage.transmission_error_output_urad
+
     def site_after_period(self, s: int) -> int | None:
         """Index of the site whose place site s takes a period later; None if it is not listed."""
+        if self.engagement.sites_stay:
+            return s
         number = self.sites[s] + self.period_pitches
         if self.engagement.cyclic_sites:
             number %= self.sites.size

@@ -156,6 +156,22 @@ class Plots:
         """Tension of the links of a chain around the wrap."""
         return self._draw("tensions", ax)
 
+    def planetary_stage(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Sun, planets and ring at a position, with the forces on planets and pins."""
+        return self._draw("planetary_stage", ax, position=position)
+
+    def planet_load_share(self, ax: Any = None) -> Any:
+        """Share of each planet over the positions."""
+        return self._draw("planet_load_share", ax)
+
+    def sun_orbit(self, ax: Any = None) -> Any:
+        """Path of the axis of the sun."""
+        return self._draw("sun_orbit", ax)
+
+    def mesh_load_factor(self, ax: Any = None) -> Any:
+        """K_gamma over the torque."""
+        return self._draw("mesh_load_factor", ax)
+
 
 def _plot() -> Any:
     return import_module("flankload.plot")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.errors import InputError
 from flankload.result.forms import ResultForms
 from flankload.result.harmonics import over_positions
 from flankload.result.loaded_positions import PairPositions
@@ -103,9 +104,10 @@ class Result(EffectResults, ResultForms):
         Friction forces, losses, torque on body 2; None without friction.
     geometry : PairGeometry or None
         Positions and motion of the bodies; without it sliding and coast flanks are unknown.
-    drive : ChainDrive, BeltDrive or None
+    drive : ChainDrive, BeltDrive, StageLoads or None
         Tensions, places and margins of a chain or a belt; its sites are rollers, or teeth of the
-        belt, with circumferential forces; pressures are 0.
+        belt, with circumferential forces; pressures are 0. Of a planetary stage, also `stage`:
+        load sharing, forces and orbits; its sites are the planets.
     root_readings : two RootReading or None
         Conversion of forces into stress in the tooth roots, if requested.
     coast : CoastContact or None
@@ -149,6 +151,37 @@ class Result(EffectResults, ResultForms):
     def _over_torques(self, name: str) -> Any:
         """An attribute of single torques over all torques; for the properties of this class."""
         return joined(self.by_torque, name)
+
+    def mesh(self, planet: int, kind: str) -> Result:
+        """Return the result of one mesh of a planetary stage.
+
+        Parameters
+        ----------
+        planet : int
+            Number of the planet, from 1.
+        kind : {"sun", "ring"}
+            The mesh with the sun, whose body 1 is the sun, or that with the ring, whose body 1 is
+            the planet, in a mirror image in which it turns counter-clockwise.
+
+        Returns
+        -------
+        Result
+            Its positions are rotations of body 1 relative to the carrier from pair 0 at the pitch
+            point. Its torque is that of equal planets; its transmission error is the approach of
+            the flanks.
+
+        Raises
+        ------
+        InputError
+            If the result has no such mesh.
+        """
+        found = []
+        for one in self.by_torque:
+            if one.stage is None:
+                expected = "mesh: expected the result of a planetary stage"
+                raise InputError(f"{expected}, found that of a pair")
+            found.append(one.stage.mesh(planet, kind))
+        return type(self).of_torques(found) if self.has_torque_list else found[0]
 
     @per_torque
     def load_sharing_factor(self) -> float | None:

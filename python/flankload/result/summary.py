@@ -42,7 +42,9 @@ def key_figures(result: Result) -> dict[str, Any]:
         "transmission_error_peak_to_peak_um": float(np.ptp(error)),
         "transmission_error_harmonics_um": over.harmonics(error),
         "transmission_error_mesh_harmonics_um": over.harmonics(error, every=result.period_pitches),
-        "contact_ratio_under_load": over.mean_of_steps(loaded) if over.covers_period else None,
+        "contact_ratio_under_load": over.mean_of_steps(loaded)
+        if over.covers_period and not result.engagement.sites_stay
+        else None,
         "contact_ratio_geometric": geometry.contact_ratio if geometry else None,
         "contact_ratio_usable": geometry.usable_contact_ratio if geometry else None,
         "overlap_ratio": geometry.overlap_ratio if geometry else None,
@@ -74,6 +76,7 @@ def summary(result: Result) -> dict[str, Any]:
         **_of_slices(result),
         **_of_shafts(result),
         **_of_power(result),
+        **({} if result.drive is None else result.drive.summary(result)),
     }
 
 

@@ -22,6 +22,7 @@ from flankload.scene.typed_pairs import (
     CamAndFollower,
     ChainAndSprocket,
     GearPair,
+    PlanetaryStage,
     Spline,
 )
 
@@ -41,6 +42,7 @@ __all__ = [
     "GearPair",
     "Load",
     "MeshBody",
+    "PlanetaryStage",
     "Positions",
     "Profile",
     "Pulley",

@@ -323,19 +323,20 @@ def three_dimensional_key(scene: "Scene | SceneFile") -> str | None:
 def _varying_key(scene: "Scene | SceneFile") -> str | None:
     """The first key that varies along the axis."""
     pair, widths = scene.pair, []
-    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
+    for key in ("body_1", "body_2", "planet"):
+        body = getattr(scene, key)
         if not isinstance(body, AxialKeys):
             continue
         for name in ("helix_angle_deg", *LEAD_KEYS, "axial_offset_mm", "shaft", *REGION_KEYS):
             value = getattr(body, name, None)
             if any(value) if isinstance(value, tuple) else value:
-                return f"body_{number}.{name}"
-        widths.append((number, body.face_width_mm))
+                return f"{key}.{name}"
+        widths.append((key, body.face_width_mm))
     if pair is None:
         return None
-    for number, width in widths:
+    for key, width in widths:
         if width is not None and width != pair.face_width_mm:
-            return f"body_{number}.face_width_mm"
+            return f"{key}.face_width_mm"
     return next((f"pair.{name}" for name in MISALIGNMENTS if getattr(pair, name)), None)
 
 

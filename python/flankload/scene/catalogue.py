@@ -50,8 +50,9 @@ def with_catalogue(tree: Any) -> Any:
 def catalogue_keys(tree: Any) -> Keys:
     """Keys that follow from the names of a scene, by table, also those that the scene sets."""
     bodies = [_table(tree, name) for name in ("body_1", "body_2")]
-    found: Keys = {"body_1": {}, "body_2": {}}
-    for name, body in zip(found, bodies, strict=True):
+    found: Keys = {"body_1": {}, "body_2": {}, "planet": {}}
+    for name in found:
+        body = _table(tree, name)
         material = _entry(MATERIALS, body, "material")
         if material is not None:
             found[name] = {key: getattr(material, key) for key in ELASTIC_KEYS}
@@ -67,7 +68,7 @@ def keys_of_names(tree: Tree) -> Keys:
     return catalogue_keys(
         {
             body: {key: _table(tree, body)[key] for key in names if key in _table(tree, body)}
-            for body in ("body_1", "body_2")
+            for body in ("body_1", "body_2", "planet")
         }
     )
 

@@ -8,6 +8,7 @@ contact.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from math import acos, cos, hypot, pi, radians, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -60,8 +61,8 @@ def with_tip_diameters(asked: SceneFile) -> SceneFile:
     d_a = d + 2 m_n (h_aP* + x + k); of internal teeth d - 2 m_n (h_aP* - x + k), since their
     profile shift is positive outwards.
     """
-    for z in (0, 1):
-        flank = _flank(asked, z)
+    for name in _bodies(asked):
+        flank = _flank(asked, name)
         keys: Any = None if flank is None else flank.keys
         if flank is None or keys.tip_diameter_mm is not UNSET:
             continue
@@ -71,7 +72,7 @@ def with_tip_diameters(asked: SceneFile) -> SceneFile:
         if tip < SMALLEST_LENGTH:
             expected = "an addendum with which the tip diameter is positive"
             refuse(f"{flank.path}.addendum_factor", expected, keys.addendum_factor)
-        asked = _with_keys(asked, z, {"tip_diameter_mm": tip})
+        asked = _with_keys(asked, name, {"tip_diameter_mm": tip})
     return asked
 
 
@@ -101,25 +102,25 @@ def with_pair_geometry(asked: SceneFile) -> SceneFile:
     SceneError
         If there is no such distance or place.
     """
-    flanks = [_flank(asked, z) for z in (0, 1)]
+    flanks = {name: _flank(asked, name) for name in _bodies(asked)}
     if asked.pair is not None and asked.pair.center_distance_mm is None:
-        one, two = flanks
+        one, two = (flanks[name] for name in _mates(asked)[0])
         if one is not None and two is not None and not asked.body_1.conforms:
             distance = _distance(one, two, asked.pair.normal_backlash_um)
             asked = structs.replace(
                 asked, pair=structs.replace(asked.pair, center_distance_mm=distance)
             )
-    for z, flank in enumerate(flanks):
-        if flank is not None and (starts := dict(_starts(asked, z, flank))):
-            asked = _with_keys(asked, z, starts)
+    for name, flank in flanks.items():
+        if flank is not None and (starts := dict(_starts(asked, name, flank))):
+            asked = _with_keys(asked, name, starts)
     return asked
 
 
 def derived_keys(asked: SceneFile, given: Mapping[str, Any]) -> frozenset[str]:
     """Paths of the keys that follow from others; `given` is the scene as in the file."""
     found = set()
-    for z in (0, 1):
-        flank = _flank(asked, z)
+    for body in _bodies(asked):
+        flank = _flank(asked, body)
         if flank is None:
             continue
         table = given
@@ -157,9 +158,20 @@ def source_of(scene: Scene, path: str) -> str:
     return "the profile shifts, without backlash"
 
 
-def _flank(asked: SceneFile, z: int) -> _Flank | None:
+def _bodies(asked: SceneFile) -> tuple[str, ...]:
+    """Names of the bodies."""
+    return ("body_1", "body_2") if asked.planet is None else ("body_1", "planet", "body_2")
+
+
+def _mates(asked: SceneFile) -> tuple[tuple[str, str], ...]:
+    """Names of the bodies of each gear mesh; the common centre distance is that of the first."""
+    names = _bodies(asked)
+    return tuple(pairwise(names))
+
+
+def _flank(asked: SceneFile, name: str) -> _Flank | None:
     """Keys of the involute flank of a body; None without such keys or without teeth."""
-    body = (asked.body_1, asked.body_2)[z]
+    body = getattr(asked, name)
     inside, keys = body.flank_keys
     number = getattr(body, "number_of_teeth", 0)
     if not isinstance(keys, InvoluteKeys) or not number:
@@ -167,12 +179,11 @@ def _flank(asked: SceneFile, z: int) -> _Flank | None:
     outward = -1 if getattr(keys, "inward", False) else 1
     angle = radians(keys.pressure_angle_deg)
     teeth = Teeth(number, keys.module_mm, angle, keys.helix_rad, outward)
-    return _Flank(keys, f"body_{z + 1}.{inside}".rstrip("."), teeth)
+    return _Flank(keys, f"{name}.{inside}".rstrip("."), teeth)
 
 
-def _with_keys(asked: SceneFile, z: int, changes: Mapping[str, float]) -> SceneFile:
+def _with_keys(asked: SceneFile, name: str, changes: Mapping[str, float]) -> SceneFile:
     """The scene with other keys of the flank of a body."""
-    name = f"body_{z + 1}"
     body: Any = getattr(asked, name)
     inside, keys = body.flank_keys
     changed: Any = structs.replace(keys, **changes)
@@ -210,7 +221,7 @@ def _base_radii(one: _Flank, two: _Flank) -> tuple[float, float]:
 
 
 # --- starts of reliefs ----------------------------------------------------------------------------
-def _starts(asked: SceneFile, z: int, flank: _Flank) -> Iterator[tuple[str, float]]:
+def _starts(asked: SceneFile, name: str, flank: _Flank) -> Iterator[tuple[str, float]]:
     """Diameters at which the reliefs of a flank begin, by key, mm."""
     base, outward = flank.teeth.base_radius_mm, flank.teeth.outward
     tip_roll = sqrt(max(0.0, (0.5 * flank.keys.tip_diameter_mm / base) ** 2 - 1.0))
@@ -227,18 +238,20 @@ def _starts(asked: SceneFile, z: int, flank: _Flank) -> Iterator[tuple[str, floa
                 expected = f"less than {base * tip_roll:.4f}, the length of roll at the tip"
                 refuse(f"{flank.path}.{key}_mm", expected, length_mm)
         elif (extent := getattr(flank.keys, key)) is not None:
-            roll = _roll_at_change(asked, z, f"{flank.path}.{key}", extent, at_tip=end == "tip")
+            roll = _roll_at_change(asked, name, f"{flank.path}.{key}", extent, at_tip=end == "tip")
         if roll is not None:
             yield f"{end}_relief_start_diameter_mm", 2.0 * base * hypot(1.0, roll)
 
 
-def _roll_at_change(asked: SceneFile, z: int, key: str, extent: str, *, at_tip: bool) -> float:
-    """Roll parameter at which a long or short relief begins.
+def _roll_at_change(asked: SceneFile, name: str, key: str, extent: str, *, at_tip: bool) -> float:
+    """Roll parameter at which a long or short relief begins; of a planet in its mesh with the sun.
 
     The path of contact runs from A, the tip of body 2, to E, the tip of body 1; a single pair is in
     contact between B = E - p_bt and D = A + p_bt.
     """
-    one, two = _flank(asked, 0), _flank(asked, 1)
+    mates = next(names for names in _mates(asked) if name in names)
+    one, two = (_flank(asked, mate) for mate in mates)
+    z = mates.index(name)
     if one is None or two is None or asked.body_1.conforms:
         expected = "nothing: it refers to the path of contact of two gears with involute profiles"
         refuse(key, expected, shown(extent))

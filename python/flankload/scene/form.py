@@ -216,7 +216,7 @@ def types_of(form: type[Table]) -> dict[str, inspect.Type]:
 
 def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoReturn:
     path = f"{key}.{name}" if key else name
-    for begin, feature in OF_SOME_BODIES.items() if key.startswith("body_") else ():
+    for begin, feature in OF_SOME_BODIES.items() if key.startswith(("body_", "planet")) else ():
         if any(other.startswith(begin) for other in known):
             continue  # this kind of body has the feature
         if name == begin or (begin.endswith("_") and name.startswith(begin)):

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 ROUNDED_MODULE = 1e-3
 
 
-def check_base_pitches(body_1: BodyTable, body_2: BodyTable) -> None:
+def check_base_pitches(
+    body_1: BodyTable, body_2: BodyTable, names: tuple[str, str] = ("body_1", "body_2")
+) -> None:
     """Check that two profiles of gears have the same base pitch; the key that differs is refused.
 
     Bodies without the keys of a profile, and splines, are checked when they are paired.
@@ -31,7 +33,7 @@ def check_base_pitches(body_1: BodyTable, body_2: BodyTable) -> None:
         return  # helix angles are compared by their lead
     if abs(two.base_pitch_mm / one.base_pitch_mm - 1.0) <= PITCH_TOLERANCE:
         return
-    name_1, name_2 = f"body_1.{inside_1}", f"body_2.{inside_2}"
+    name_1, name_2 = f"{names[0]}.{inside_1}", f"{names[1]}.{inside_2}"
     if same_module:
         expected = f"{one.pressure_angle_deg:g}, as in {name_1}pressure_angle_deg, since base "
         expected += "pitches (module times cos of the pressure angle) must be equal"
@@ -45,7 +47,7 @@ def check_base_pitches(body_1: BodyTable, body_2: BodyTable) -> None:
         if table.helix_rad and abs(normal / mate.module_mm - 1.0) <= ROUNDED_MODULE:
             expected = f"{mate.module_mm:g}, the normal module, as of the other body"
             refuse(f"{key}module_mm", expected, f"{table.module_mm:g}, the transverse module")
-    expected = f"{one.module_mm:g}, as in {name_1}module_mm: the base pitch of body_1, "
+    expected = f"{one.module_mm:g}, as in {name_1}module_mm: the base pitch of {names[0]}, "
     expected += f"{one.base_pitch_mm:.6f} mm (module times cos of the pressure angle)"
     found = f"{two.module_mm:g}, a base pitch of {two.base_pitch_mm:.6f} mm"
     refuse(f"{name_2}module_mm", expected, found)

@@ -44,6 +44,7 @@ from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.pair import Load, Pair, Positions, check_partners
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.spline import SplineHub, SplineShaft
+from flankload.scene.stage import Stage, check_stage
 from flankload.scene.table import Table, Text, about
 from flankload.scene.tree import scene_tree, toml_of, with_changes
 from flankload.scene.usual import with_questions
@@ -66,6 +67,13 @@ class SceneFile(Table, frozen=True, kw_only=True):
     name: Annotated[Text | None, about("name of the scene; absent = name of the file")] = None
     body_1: Annotated[Body1, about("the body that carries the torque; free to rotate")]
     body_2: Annotated[Body2, about("the body that is fixed at its kinematic angle")]
+    planet: Annotated[
+        Gear | None,
+        about("the planets of a stage, which are equal, between the sun, body 1, and the ring"),
+    ] = None
+    stage: Annotated[Stage | None, about("planetary stage: body 1 is its sun, body 2 its ring")] = (
+        None
+    )
     pair: Annotated[
         Pair | None, about("required, except for chains and belts, which do not have this table")
     ] = None
@@ -111,10 +119,16 @@ class SceneFile(Table, frozen=True, kw_only=True):
         if self.pair is not None:
             self.pair.check(self.body_1, self.body_2)
         check_base_pitches(self.body_1, self.body_2)
+        check_stage(self, given)
         check_dimension(self, given)
         check_effects(self, given)
         self.positions.check(given.get("positions", {}))
-        if any(self.load.torques_Nm) and self.body_1.rigid and self.body_2.rigid:
+        if (
+            any(self.load.torques_Nm)
+            and self.body_1.rigid
+            and self.body_2.rigid
+            and self.stage is None
+        ):
             expected = "false, since body_1.rigid is true: the load sharing of two rigid bodies "
             expected += "is undetermined"
             refuse("body_2.rigid", expected, True)
@@ -139,6 +153,10 @@ class Scene(Card):
     accuracy : Accuracy
     file : Path or None
         File from which the scene was read.
+    planet : Gear or None
+        Planets of a stage.
+    stage : Stage or None
+        The stage; None for two bodies.
     derived : frozenset of str
         Paths of the keys that follow from others (module `derived`) and are not in the file.
     named_effects : frozenset of str
@@ -156,6 +174,8 @@ class Scene(Card):
     effects: EffectsAsked
     accuracy: Accuracy
     file: Path | None = None
+    planet: Gear | None = None
+    stage: Stage | None = None
     derived: frozenset[str] = frozenset()
     named_effects: frozenset[str] = frozenset()
     named_discretization_keys: frozenset[str] = frozenset()
@@ -245,6 +265,8 @@ class Scene(Card):
             name=self.name,
             body_1=self.body_1,
             body_2=self.body_2,
+            planet=self.planet,
+            stage=self.stage,
             pair=None if self.body_2.is_drive and self.pair == NO_PAIR else self.pair,
             load=self.load,
             positions=self.positions,
@@ -356,6 +378,8 @@ class Scene(Card):
             effects=asked.effects,
             accuracy=asked.accuracy,
             file=path,
+            planet=asked.planet,
+            stage=asked.stage,
             derived=derived_keys(asked, d),
             named_effects=frozenset(d.get("effects", {})),
             named_discretization_keys=frozenset(
@@ -369,6 +393,8 @@ def _check_all(asked: SceneFile, given: Mapping[str, Any]) -> None:
     try:
         asked.body_1.check(given["body_1"], "body_1")
         asked.body_2.check(given["body_2"], "body_2")
+        if asked.planet is not None:
+            asked.planet.check(given["planet"], "planet")
         asked.check(given)
     except SceneError as error:
         raise with_questions(error, asked) from None

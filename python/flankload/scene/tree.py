@@ -49,7 +49,9 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     from flankload.scene.scene import NO_PAIR
 
     tree: Tree = {"name": scene.name}
-    tree |= {"body_1": tree_of(scene.body_1), "body_2": tree_of(scene.body_2)}
+    for name in ("body_1", "planet", "body_2", "stage"):
+        if (table := getattr(scene, name)) is not None:
+            tree[name] = tree_of(table)
     for name, keys in keys_of_names(tree).items():
         tree[name] = _beside_catalogue(tree[name], getattr(scene, name), keys)
     if not (scene.is_drive and scene.pair == NO_PAIR):

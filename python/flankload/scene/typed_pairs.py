@@ -6,7 +6,7 @@ Each is converted to the tree of a scene file, which the reader of scene files c
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from flankload.scene.accuracy import Accuracy
 from flankload.scene.belt import Belt, Pulley
@@ -19,6 +19,7 @@ from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.pair import Load, Pair, Positions, SlackTension, TorqueOrTorques
 from flankload.scene.scene import Scene
 from flankload.scene.spline import SplineHub, SplineShaft
+from flankload.scene.stage import Stage
 from flankload.scene.table import Table
 from flankload.scene.tree import Tree, tree_of
 
@@ -27,7 +28,18 @@ WHOLE = ("positions", "effects", "accuracy")
 
 
 class AsScene:
-    """Conversion of two bodies with the keys of their tables to a scene."""
+    """Conversion of bodies with the keys of their tables to a scene.
+
+    Attributes
+    ----------
+    bodies : tuple of str
+        Tables of the scene that are bodies.
+    tables : tuple of (str, Table type)
+        Tables of the scene whose keys are keyword arguments.
+    """
+
+    bodies: ClassVar[tuple[str, ...]] = ("body_1", "body_2")
+    tables: ClassVar[tuple[tuple[str, type[Table]], ...]] = (("pair", Pair), ("load", Load))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the keys as in a scene file; keys at their defaults are left out.
@@ -37,10 +49,10 @@ class AsScene:
         dict
             `Scene.from_dict` reads it.
         """
-        keys = {name: getattr(self, name) for name in self.__struct_fields__}  # type: ignore[attr-defined]
+        keys = self._keys()
         tree: Tree = {} if keys["name"] is None else {"name": keys["name"]}
-        tree |= {body: _tree(keys[body]) for body in ("body_1", "body_2")}
-        for name, table in (("pair", Pair), ("load", Load)):
+        tree |= {body: _tree(keys[body]) for body in self.bodies}
+        for name, table in self.tables:
             defaults = {key: field.default for key, field in fields_of(table).items()}
             own = {key: keys[key] for key in defaults if key in keys}
             own = {k: x for k, x in own.items() if x is not None and (x == defaults[k]) is not True}
@@ -48,6 +60,10 @@ class AsScene:
         for name in WHOLE:
             tree |= {name: _tree(keys[name])} if keys[name] is not None else {}
         return tree
+
+    def _keys(self) -> dict[str, Any]:
+        """Bodies, tables and keys of tables by the name in the scene."""
+        return {name: getattr(self, name) for name in self.__struct_fields__}  # type: ignore[attr-defined]
 
     def to_scene(self) -> Scene:
         """Return the scene.
@@ -130,6 +146,54 @@ class CamAndFollower(FlankPair, frozen=True):
 
     body_1: Follower
     body_2: Cam
+
+
+class StageKeys(AsScene, Stage, frozen=True, kw_only=True):
+    """The keys of [stage], [pair] and [load] of a planetary stage."""
+
+    bodies: ClassVar[tuple[str, ...]] = ("body_1", "planet", "body_2")
+    tables: ClassVar[tuple[tuple[str, type[Table]], ...]] = (
+        *(("stage", Stage), ("pair", Pair), ("load", Load)),
+    )
+
+    torque_Nm: TorqueOrTorques
+    center_distance_mm: float | None = None
+    normal_backlash_um: float | None = None
+    face_width_mm: float | None = None
+    name: str | None = None
+    positions: Positions | Mapping[str, Any] | None = None
+    effects: EffectsAsked | Mapping[str, Any] | None = None
+    accuracy: Accuracy | Mapping[str, Any] | None = None
+
+
+class PlanetaryStage(StageKeys, frozen=True):
+    """A sun, which carries the torque, equal planets, and a ring, with the keys of [stage].
+
+    `torque_Nm` is required, and `planets` or `angles_deg`, and `face_width_mm` unless all bodies
+    have their own; without `center_distance_mm` sun and planets have no backlash, or
+    `normal_backlash_um`. A key at its default counts as absent.
+
+    Examples
+    --------
+    >>> sun = fl.Gear(teeth=25, module_mm=3, tip_diameter_mm=80.7, bore_diameter_mm=30)
+    >>> planet = fl.Gear(teeth=17, module_mm=3, tip_diameter_mm=56.7, bore_diameter_mm=24)
+    >>> ring = fl.Ring(
+    ...     teeth=59, module_mm=3, tip_diameter_mm=172.8, root_diameter_mm=184.5,
+    ...     outer_diameter_mm=201,
+    ... )
+    >>> stage = fl.PlanetaryStage(
+    ...     sun, planet, ring, planets=4, floating="sun", center_distance_mm=63,
+    ...     face_width_mm=20, torque_Nm=600,
+    ... )
+    >>> result = fl.solve(stage)
+    """
+
+    sun: Gear
+    planet: Gear
+    ring: Ring
+
+    def _keys(self) -> dict[str, Any]:
+        return {**super()._keys(), "body_1": self.sun, "body_2": self.ring}
 
 
 class ChainAndSprocket(Drive, frozen=True):

@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 
 #: Factor between units of one quantity (um and mm, GPa and MPa), also squared (um and m).
 THOUSAND = 1000.0
-TABLES = ("body_1", "body_2", "pair", "load", "positions", "effects", "accuracy")
+TABLES = (
+    *("body_1", "planet", "body_2", "stage", "pair"),
+    *("load", "positions", "effects", "accuracy"),
+)
 #: Units in which values are given by mistake, by the unit of the key and the factor between them.
 MISTAKEN = {
     "um": {THOUSAND: "mm", THOUSAND**2: "m", 1 / THOUSAND: "nm"},

@@ -19,7 +19,6 @@ import numpy as np
 from flankload.base.arguments import require
 from flankload.base.card import Card
 from flankload.base.text_table import text_table
-from flankload.contact.sweep import known_contacts
 from flankload.errors import InputError, SceneError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms.registry import require_flanks
@@ -213,7 +212,7 @@ def sensitivity(
         return tuple(map(_with_corners_of, results, beside))
 
     # complete states beside the scene differ from its own; continued ones from continued ones
-    known = known_contacts(states[0].found)
+    known = states[0].known
     complete = known is None or not known.count.any()
     middle = results if complete else continued({})
     stencils = tuple(

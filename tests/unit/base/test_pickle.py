@@ -72,6 +72,8 @@ def tables() -> dict[str, Any]:
     }
     for kind, (one, two, keys) in pairs.items():
         found[kind.__name__] = kind(found[one], found[two], torque_Nm=10, **keys)
+    stage = (found["Gear"], found["Gear"], found["Ring"])
+    found["PlanetaryStage"] = fl.PlanetaryStage(*stage, planets=3, torque_Nm=10)
     profiles = (getattr(body, "profile", None) for body in bodies)
     return {
         **found,

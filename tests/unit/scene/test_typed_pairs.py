@@ -2,7 +2,7 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ import flankload as fl
 from flankload.scene import scene_of
 from flankload.scene.form import fields_of
 from flankload.scene.scene import SceneFile
-from flankload.scene.typed_pairs import Drive, FlankPair
+from flankload.scene.typed_pairs import Drive, FlankPair, StageKeys
 from tests.support.paths import SCENES
 
 TABLES: dict[str, Any] = {
@@ -71,11 +71,16 @@ def test_objects_make_the_scene_of_the_file(path: Path) -> None:
 
 
 def test_typed_pairs_have_each_key_of_the_tables() -> None:
-    """A new key of [pair], [load] or of a whole scene must reach the typed pairs."""
-    tables = set(fields_of(SceneFile)) - {"pair", "load", "body_1", "body_2"}
+    """A new key of [pair], [load], [stage] or of a whole scene must reach the typed pairs."""
+    bodies, stage = {"body_1", "planet", "body_2"}, fields_of(SceneFile)["stage"].type
+    tables = set(fields_of(SceneFile)) - {"pair", "load", "stage", *bodies}
     load = set(fields_of(SceneFile)["load"].type.__struct_fields__)
     assert set(FlankPair.__struct_fields__) >= tables | (load - {"slack_tension_N"})
     assert set(Drive.__struct_fields__) == tables | load
+    (of_stage,) = (part for part in get_args(get_args(stage)[0]) if part is not type(None))
+    distance = {"center_distance_mm", "normal_backlash_um", "face_width_mm"}
+    own = set(of_stage.__struct_fields__) | distance | {"torque_Nm"}
+    assert set(StageKeys.__struct_fields__) == tables | own
 
 
 def test_arrays_and_dictionaries_are_accepted() -> None:

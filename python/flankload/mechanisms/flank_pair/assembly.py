@@ -153,7 +153,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *question_notes(scene),
         *(f"body_1: {note}" for note in pair.body_1.notes),
         *(f"body_2: {note}" for note in pair.body_2.notes),
-        *rim_notes(pair.bodies),
+        *rim_notes(pair.names, pair.bodies),
         *spacing_notes(pair.bodies, scene.torques_Nmm, pair.face_width_mm),
         *pair.pairing.warnings,
         *(() if slices is None or pair.pairing.coast else tilt_notes(pair.pairing.fit, slices)),

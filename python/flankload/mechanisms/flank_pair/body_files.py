@@ -13,16 +13,23 @@ from flankload.scene.effects import require_plane
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
+    from flankload.bodies import Body
     from flankload.scene import Scene
 
 
 def mesh_files(scene: Scene) -> Iterator[MeshFile]:
     """Meshes of both bodies at position zero."""
     pair = build_bodies(scene)
-    turns = pair.pairing.turns_at_zero_rad
-    for name, body, turn in zip(pair.names, pair.bodies, turns, strict=True):
+    yield from files_of_meshes(pair.names, pair.bodies, pair.pairing.turns_at_zero_rad)
+
+
+def files_of_meshes(
+    names: Sequence[str], bodies: Sequence[Body], turns_rad: Sequence[float]
+) -> Iterator[MeshFile]:
+    """Meshes of bodies at their angles."""
+    for name, body, turn in zip(names, bodies, turns_rad, strict=True):
         if body.mesh is None:
             why = "its compliance comes from a file" if body.imported is not None else "rigid"
             yield MeshFile(name, None, f"{why}, so it has no mesh")
@@ -44,7 +51,14 @@ def compliance_files(scene: Scene) -> Iterator[ComplianceFile]:
         refuse("effects.near_field", expected, "'nodes'", scene.file)
     require_plane(scene, "the files hold the compliance of plane bodies")
     pair = build_bodies(scene)
-    for name, body in zip(pair.names, pair.bodies, strict=True):
+    yield from files_of_compliances(scene, pair.names, pair.bodies)
+
+
+def files_of_compliances(
+    scene: Scene, names: Sequence[str], bodies: Sequence[Body]
+) -> Iterator[ComplianceFile]:
+    """Compliances of plane bodies."""
+    for name, body in zip(names, bodies, strict=True):
         if body.rigid:
             yield ComplianceFile(name, None, "rigid, so it has no compliance")
             continue

@@ -62,6 +62,12 @@ def _deg(value_rad: float) -> str:
 
 
 # --- bodies ---------------------------------------------------------------------------------------
+def rows_of_profile_and_body(body: Body, spec: BodySpec, scene: Scene) -> Iterator[SheetRow]:
+    """Rows of a body without its active profile."""
+    yield from _rows_of_profile(body, spec)
+    yield from _rows_of_body(body, scene)
+
+
 def _rows_of_profile(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
     if body.involute is not None:
         yield from _rows_of_involute(body, body.involute, spec)

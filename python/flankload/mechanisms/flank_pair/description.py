@@ -37,7 +37,7 @@ def describe(scene: Scene) -> Description:
     has_teeth = pair.pairing.motion is None
     effects = [row for row in EFFECTS if has_teeth or not row.of_teeth]
     rows = {
-        f"body_{number}: {body.kind}": _rows_of_body(body, spec)
+        f"body_{number}: {body.kind}": rows_of_body(body, spec)
         for number, (body, spec) in enumerate(
             zip(pair.bodies, (scene.body_1, scene.body_2), strict=True), start=1
         )
@@ -62,7 +62,8 @@ def _said(switch: Switch) -> str:
     return f"{'yes' if switch.on else 'no'} ({switch.because})"
 
 
-def _rows_of_body(body: Body, spec: BodySpec) -> list[tuple[str, str]]:
+def rows_of_body(body: Body, spec: BodySpec) -> list[tuple[str, str]]:
+    """Rows of a body."""
     rows = [] if body.kind in ("cam", "follower") else [("teeth", f"{body.teeth}")]
     involute = body.involute
     if involute is not None:

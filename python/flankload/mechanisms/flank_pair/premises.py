@@ -25,8 +25,9 @@ from flankload.mechanisms.premises import (
 from flankload.scene.axial import MISALIGNMENTS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
+    from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
@@ -64,12 +65,7 @@ PRESSURE = Premise(
 # --- before elements are solved -------------------------------------------------------------------
 def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
     """Premises that are violated at any load."""
-    for z, body in enumerate(pair.bodies, start=1):
-        rim = held_rim(body)
-        if rim is not None and rim.ratio < rim.least:
-            wanted = f'a held rim of at least {rim.least:g} {rim.unit}, or {rim.support} = "torque"'
-            amount = f"{rim.ratio:.2f} {rim.unit} ({rim.thickness_mm:.3g} mm)"
-            yield Broken(Premise("rim", rim.least, wanted), f"body_{z}.{rim.held_at}", amount)
+    yield from broken_rims(pair.names, pair.bodies)
     mesh = pair.pairing.gear_geometry
     if mesh is None or mesh.total_contact_ratio >= CONTACT_RATIO.limit - TIE:
         return
@@ -83,6 +79,16 @@ def broken_by_geometry(pair: BodyPair) -> Iterator[Broken]:
         f"{mesh.total_contact_ratio:.4g}{parts} on {pair.pairing.center_distance_mm:g} mm with "
         f"these tip diameters{width}",
     )
+
+
+def broken_rims(names: Sequence[str], bodies: Sequence[Body]) -> Iterator[Broken]:
+    """Rims that are too thin to be held."""
+    for name, body in zip(names, bodies, strict=True):
+        rim = held_rim(body)
+        if rim is not None and rim.ratio < rim.least:
+            wanted = f'a held rim of at least {rim.least:g} {rim.unit}, or {rim.support} = "torque"'
+            amount = f"{rim.ratio:.2f} {rim.unit} ({rim.thickness_mm:.3g} mm)"
+            yield Broken(Premise("rim", rim.least, wanted), f"{name}.{rim.held_at}", amount)
 
 
 # --- after the sweep ------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ import numpy as np
 from flankload.bodies import SectorMesh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from flankload.bodies import Body
 
@@ -79,15 +79,15 @@ def held_rim(body: Body) -> Rim | None:
     return Rim(thickness, thickness / module, *keys)
 
 
-def rim_notes(bodies: tuple[Body, Body]) -> Iterator[str]:
+def rim_notes(names: Sequence[str], bodies: Sequence[Body]) -> Iterator[str]:
     """Warnings about rims that would bend if they were not held."""
-    for z, body in enumerate(bodies, start=1):
+    for name, body in zip(names, bodies, strict=True):
         rim = held_rim(body)
         if rim is not None and rim.ratio < rim.enough:
-            remedy = f'body_{z}.{rim.support} = "torque" holds only its mean motion'
+            remedy = f'{name}.{rim.support} = "torque" holds only its mean motion'
             if body.axial is not None and body.axial.flexible is not None:
-                remedy = f"on a pinion shaft, half the root diameter suits body_{z}.{rim.held_at}"
+                remedy = f"on a pinion shaft, half the root diameter suits {name}.{rim.held_at}"
             yield (
-                f"body_{z}: the rim of {rim.thickness_mm:.3g} mm is {rim.ratio:.2f} {rim.unit}, "
+                f"{name}: the rim of {rim.thickness_mm:.3g} mm is {rim.ratio:.2f} {rim.unit}, "
                 f"below {rim.enough:g}: held, it cannot bend ({remedy})"
             )

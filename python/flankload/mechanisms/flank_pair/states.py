@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
     from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.analysis.error_rules import RemainingError
+    from flankload.contact.core_call import KnownContacts
     from flankload.contact.flank_contact import FlankContact
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
@@ -67,6 +68,11 @@ class FlankStates:
     geometry: PairGeometry
     position_rad: NDArray[np.float64]
     contact: FlankContact
+
+    @cached_property
+    def known(self) -> KnownContacts | None:
+        """Pairs in contact, from which similar states are continued."""
+        return known_contacts(self.found)
 
 
 def flank_states(
@@ -118,7 +124,7 @@ def continued_states(
     contact = contact_of(scene, pair, compliances)
     run = partial(sweep, contact, pair.position_rad)
     with clock.stage("sweep") as account:
-        known = known_contacts(similar.found)
+        known = similar.known
         found = run(scene.torques_Nmm, known=known, account=account)
     with clock.account("result") as account:
         found = with_unloaded(found, partial(run, keep_pairs=False, account=account))

@@ -19,6 +19,7 @@ from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.errors import SceneError, reason_of
 from flankload.mechanisms.registry import mechanism_of
+from flankload.result.stage import StageLoads
 from flankload.scene import read_scene
 from flankload.scene.discretization import DEFAULT
 from flankload.scene.refusal import refuse
@@ -144,10 +145,13 @@ def _of_result(result: Result) -> dict[str, Value]:
         "line_load_at": of_slice(result.slice_line_load_N_per_mm),
         "peak_pressure_at": of_slice(result.slice_peak_pressure_MPa),
     }
-    if result.drive is None:
+    drive = result.drive
+    if drive is None:
         known["contact_half_width"] = of_pair(result.contact_half_width_mm)
+    elif isinstance(drive, StageLoads):
+        known["mesh_load_factor"] = lambda p: float(drive.mesh_load_factor[int(p)])
     else:
-        known["tension"] = of_pair(result.drive.tension_behind_N)
+        known["tension"] = of_pair(drive.tension_behind_N)
     return known
 
 

@@ -76,6 +76,8 @@ def check_bodies(scene: Scene) -> None:
 def _refusals(scene: Scene) -> Iterator[tuple[str, str, str]]:
     """Key, expected and found of all that is refused."""
     bodies, effects = (("body_1", scene.body_1), ("body_2", scene.body_2)), scene.effects
+    if scene.stage is not None:
+        yield "stage", "nothing: decks contain two bodies", "a planetary stage"
     if not scene.body_2.has_teeth:
         no_cams = "bodies with teeth: no deck is written for a cam and its follower"
         yield "body_2.kind", no_cams, "'cam'"

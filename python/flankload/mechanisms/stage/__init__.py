@@ -1,0 +1,1 @@
+"""Planetary stages: a sun, equal planets, and a ring."""

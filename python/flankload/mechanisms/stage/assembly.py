@@ -1,0 +1,254 @@
+"""Assembly of a planetary stage: all data known before finite elements are solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi, radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec import structs
+
+from flankload.base.rotation import directions
+from flankload.contact.stage_contact import StageContact, StageSupports
+from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import without_ends
+from flankload.mechanisms.flank_pair.rims import rim_notes
+from flankload.mechanisms.scene_bodies import bodies_of, with_file_of
+from flankload.pairing.body_pair import BodyJob
+from flankload.pairing.gear_mesh import GearMesh
+from flankload.pairing.stage import StagePairing, repeating_pitches, stage_pairing
+from flankload.pairing.stage_errors import StageErrors
+from flankload.pairing.stage_paths import StagePaths
+from flankload.scene.discretization import Discretization, choose_discretization
+from flankload.scene.effects import Effects, effects_of
+from flankload.scene.gear import Ring
+from flankload.scene.stage import Stage, assembled_places
+from flankload.scene.usual import question_notes
+
+if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
+    from flankload.bodies import Body
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.mechanisms.reuse import Parts
+    from flankload.scene import Scene
+    from flankload.scene.discretization import Grid
+
+    Compliances = tuple[BodyCompliance, BodyCompliance, BodyCompliance]
+
+#: Tables of the bodies.
+NAMES = ("body_1", "planet", "body_2")
+#: Largest number of positions of a scene.
+MOST_POSITIONS = 100_000
+
+
+@dataclass(frozen=True)
+class StageAssembly:
+    """A planetary stage with the options of a run.
+
+    Attributes
+    ----------
+    bodies : Body, Body, Body
+        Sun, planet, ring.
+    jobs : three BodyJob
+    pairing : StagePairing
+    errors : StageErrors
+    supports : StageSupports
+    face_width_mm : float
+    discretization : Discretization
+    effects : Effects
+    position_rad : (P,) array
+    pitches : int or None
+        Tooth pitches of the sun that the positions cover; None for explicit angles.
+    period_pitches : int
+        Tooth pitches after which everything repeats.
+    notes : tuple of str
+    """
+
+    bodies: tuple[Body, Body, Body]
+    jobs: tuple[BodyJob, BodyJob, BodyJob]
+    pairing: StagePairing
+    errors: StageErrors
+    supports: StageSupports
+    face_width_mm: float
+    discretization: Discretization
+    effects: Effects
+    position_rad: Floats
+    pitches: int | None
+    period_pitches: int
+    notes: tuple[str, ...]
+
+    names = NAMES
+
+    @property
+    def meshes(self) -> tuple[GearMesh, ...]:
+        """Gear meshes: those with the sun, then those with the ring."""
+        sun, planet, ring = self.bodies
+        return tuple(
+            GearMesh(
+                mesh.names,
+                (planet, ring) if mesh.with_ring else (sun, planet),
+                mesh.pairing,
+                self.face_width_mm,
+            )
+            for mesh in self.pairing.meshes
+        )
+
+    @property
+    def closed(self) -> bool:
+        """Whether several positions cover whole periods."""
+        whole = self.pitches is not None and self.pitches % self.period_pitches == 0
+        return whole and self.position_rad.size > 1
+
+    @property
+    def period_rad(self) -> float:
+        """Period of the curves, rad."""
+        pitches = self.pitches if self.closed and self.pitches else self.period_pitches
+        return pitches * self.pairing.pitch_rad
+
+    def contact(
+        self, scene: Scene, compliances: Compliances, grid: Grid | None = None
+    ) -> StageContact:
+        """The contact of all meshes, on the cells of the discretization or others."""
+        return StageContact(
+            self.bodies,
+            compliances,
+            self.pairing,
+            self.errors,
+            self.supports,
+            face_width_mm=self.face_width_mm,
+            grid=grid or self.discretization.grid,
+            level=scene.effects.contact,
+        )
+
+
+def assemble(
+    scene: Scene, discretization: Discretization | None = None, parts: Parts | None = None
+) -> StageAssembly:
+    """Bodies, meshes and positions of a stage.
+
+    Raises
+    ------
+    SceneError
+        If a body cannot be made or the bodies cannot mesh; names file, key, expected and found.
+    """
+    stage = scene.stage
+    assert stage is not None
+    discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
+    try:
+        sun, planet, ring = bodies_of(_held(scene), discretization, NAMES, parts=parts)
+        bodies = sun, planet, ring
+        if not effects.tip_contact:
+            bodies = without_ends(sun), without_ends(planet), without_ends(ring)
+        run_outs = bool(stage.sun_run_out_um), bool(stage.ring_run_out_um)
+        period = repeating_pitches(bodies, run_outs)
+        position_rad, pitches = _positions(scene, bodies[0].teeth, period)
+        pairing = stage_pairing(
+            bodies,
+            assembled_places(stage, sun.teeth + ring.teeth),
+            radians(stage.nominal_angles_deg[0]),
+            scene.pair.axes_apart_mm,
+            position_rad,
+        )
+    except SceneError as error:
+        raise with_file_of(scene, error) from None
+    return StageAssembly(
+        bodies=bodies,
+        jobs=(
+            BodyJob(not sun.rigid),
+            BodyJob(not planet.rigid, coast_flanks=True),
+            BodyJob(not ring.rigid),
+        ),
+        pairing=pairing,
+        errors=_errors(stage, pairing.angles_rad),
+        supports=_supports(stage),
+        face_width_mm=scene.pair.face_width_mm,
+        discretization=discretization,
+        effects=effects,
+        position_rad=position_rad,
+        pitches=pitches,
+        period_pitches=period,
+        notes=_notes(scene, bodies, pairing, pitches, period),
+    )
+
+
+def _held(scene: Scene) -> Scene:
+    """The scene with the support of the rim in the keys of the ring."""
+    assert scene.stage is not None
+    if scene.stage.ring_support == "clamped":
+        return scene
+    assert isinstance(scene.body_2, Ring)
+    return replace(scene, body_2=structs.replace(scene.body_2, rim="torque"))
+
+
+def _positions(scene: Scene, teeth: int, period: int) -> tuple[Floats, int | None]:
+    """(P,) Angles of the sun relative to the carrier, and the pitches that they cover."""
+    wanted = scene.positions
+    if wanted.angles_deg is not None:
+        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
+    pitches = period if wanted.pitches == "hunting" else int(wanted.pitches)
+    if wanted.count * pitches > MOST_POSITIONS:
+        raise SceneError(
+            key="positions.pitches",
+            expected=f"at most {MOST_POSITIONS // wanted.count}, so that there are at most "
+            f"{MOST_POSITIONS} positions",
+            found=f"{pitches} pitches of {wanted.count} positions",
+        )
+    return 2 * pi / teeth * np.arange(wanted.count * pitches) / wanted.count, pitches
+
+
+def _errors(stage: Stage, angles_rad: Floats) -> StageErrors:
+    """Errors of pins, thicknesses and run-outs, and the displacement of the sun by its weight."""
+    paths = StagePaths(angles_rad, (0.0, 0.0), (1.0, 1.0, 1.0))
+    radial, tangential, thickness = (
+        np.asarray(stage.errors_mm(f"{name}_errors_um"))
+        for name in ("pin_radial", "pin_tangential", "planet_thickness")
+    )
+    (x, y), stiffness = _weight(stage), stage.sun_stiffness_N_per_um
+    softness = 0.0 if stiffness is None else 1.0 / (1000.0 * stiffness)
+    return StageErrors(
+        pins_mm=paths.pin_displacements(radial, tangential),
+        thickness_mm=thickness,
+        sun_mm=(stage.sun_run_out_um / 2000.0, radians(stage.sun_run_out_angle_deg)),
+        ring_mm=(stage.ring_run_out_um / 2000.0, radians(stage.ring_run_out_angle_deg)),
+        sun_at_mm=(softness * x, softness * y),
+    )
+
+
+def _weight(stage: Stage) -> tuple[float, float]:
+    """Weight of the sun in x and y, N."""
+    x, y = stage.sun_weight_N * directions(np.array([radians(stage.sun_weight_angle_deg)]))[0]
+    return float(x), float(y)
+
+
+def _supports(stage: Stage) -> StageSupports:
+    stiffness = stage.sun_stiffness_N_per_um
+    return StageSupports(
+        floating=stage.floating,
+        pin_N_per_mm=stage.pin_stiffness_N_per_mm,
+        sun_N_per_mm=None if stiffness is None else 1000.0 * stiffness,
+        sun_load_N=_weight(stage),
+    )
+
+
+def _notes(
+    scene: Scene,
+    bodies: tuple[Body, Body, Body],
+    pairing: StagePairing,
+    pitches: int | None,
+    period: int,
+) -> tuple[str, ...]:
+    """Remarks for the user."""
+    notes = [*question_notes(scene)]
+    notes += [
+        f"{name}: {note}" for name, body in zip(NAMES, bodies, strict=True) for note in body.notes
+    ]
+    notes += [*rim_notes(NAMES, bodies), *pairing.warnings]
+    if pitches is not None and pitches % period:
+        notes.append(
+            f"with pitch errors or run-outs the curves repeat after {period} pitches of the sun; "
+            f"these positions cover {pitches} (positions.pitches = 'hunting' covers all)"
+        )
+    if any(bodies[1].pitch_errors_um):
+        notes.append("planet.pitch_errors_um apply to the flanks in mesh with the sun")
+    return tuple(notes)

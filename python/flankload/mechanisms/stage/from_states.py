@@ -1,0 +1,223 @@
+"""Conversion of the states of a stage to its result, and of each mesh to one of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+
+from flankload.base.torque import in_newton_metres
+from flankload.contact.core_call import CORE_COUNTERS
+from flankload.contact.status import on_corner
+from flankload.mechanisms.flank_pair.from_sweep import result_of
+from flankload.mechanisms.stage.assembly import StageAssembly
+from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.stage import orbit_orders, surviving_order
+from flankload.result.geometry import pair_geometry
+from flankload.result.pairs import PairDrawing, PairTable, PairTables
+from flankload.result.result import Result
+from flankload.result.stage import HIGHEST_ORDER, StageLoads
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flankload.base.arrays import Floats
+    from flankload.contact.stage_contact import StageSweep
+    from flankload.mechanisms.stage.states import Compliances, StageStates
+    from flankload.scene import Scene
+
+
+class MeshResults(Sequence[Result]):
+    """Results of the meshes of a stage, each made when it is read."""
+
+    def __init__(
+        self, scene: Scene, assembly: StageAssembly, compliances: Compliances, found: StageSweep
+    ) -> None:
+        self._made = scene, assembly, compliances, found
+
+    def __len__(self) -> int:
+        return len(self._made[3].meshes)
+
+    @overload
+    def __getitem__(self, index: int) -> Result: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Result]: ...
+
+    def __getitem__(self, index: int | slice) -> Result | Sequence[Result]:
+        which = range(len(self))[index]
+        if isinstance(which, range):
+            return tuple(mesh_result(*self._made, m) for m in which)
+        return mesh_result(*self._made, which)
+
+
+def stage_result(
+    scene: Scene,
+    assembly: StageAssembly,
+    compliances: Compliances,
+    states: StageStates,
+    number: int,
+    estimate: Mapping[str, object] | None,
+) -> Result:
+    """Result of the torque with this index."""
+    found, pairing, width = states.found[number], assembly.pairing, assembly.face_width_mm
+    planets, sun = found.planets, assembly.bodies[0]
+    counters = planets.counters.sum(axis=0, dtype=np.int64).tolist()
+    with np.errstate(divide="ignore"):
+        stiffness = 1e-3 / planets.tangent_rad_per_Nmm
+    return Result(
+        name=scene.name,
+        torque_Nm=in_newton_metres(planets.torque_Nmm),
+        sites=np.arange(1, pairing.count + 1),
+        position_rad=assembly.position_rad,
+        rotation_rad=planets.rotation_rad,
+        reference_radius_mm=sun.reference_radius_mm,
+        site_force_N=planets.site_force_N,
+        peak_pressure_MPa=planets.site_peak_N_per_mm / width,
+        stiffness_tangent_Nm_per_rad=stiffness,
+        status=planets.status,
+        pair_tables=PairTables(
+            assembly.position_rad.size, partial(_contacts, assembly, found, width)
+        ),
+        corner_contact=on_corner(planets.site_corner),
+        pitch_rad=pairing.pitch_rad,
+        period_rad=assembly.period_rad,
+        closed=assembly.closed,
+        face_width_mm=width,
+        estimate=estimate,
+        cost={
+            "positions": planets.status.size,
+            "of_this_torque": dict(zip(CORE_COUNTERS, counters, strict=True)),
+            "fe_degrees_of_freedom": [c.job.degrees_of_freedom for c in compliances],
+            "largest_backward_error": float(np.max(planets.certificate[:, 0], initial=0.0)),
+            "largest_condition": float(np.max(planets.certificate[:, 1], initial=0.0)),
+        },
+        warnings=assembly.notes,
+        drawing=_drawing(assembly),
+        drive=_loads(scene, assembly, compliances, found),
+    )
+
+
+def _loads(
+    scene: Scene, assembly: StageAssembly, compliances: Compliances, found: StageSweep
+) -> StageLoads:
+    """Loads of the members."""
+    pairing, n = assembly.pairing, assembly.pairing.count
+    sun_force, force = found.planets.site_force_N, found.resultants
+    total = sun_force.sum(axis=1)
+    factor = np.full(total.shape, np.nan)
+    np.divide(n * sun_force.max(axis=1), total, out=factor, where=total > 0)
+    # the moments of all contacts on the ring; the carrier carries the rest of the torques
+    ring_torque = -force[:, -1, 2]
+    on_planets = np.stack([_force_on_body_2(assembly, found, m) for m in range(n)], axis=1)
+    (zs, _, zr), (sun, planet, ring) = pairing.teeth, assembly.bodies
+    even = pairing.equally_spaced and not assembly.errors.any and assembly.period_pitches == 1
+    return StageLoads(
+        teeth=pairing.teeth,
+        center_distance_mm=pairing.center_distance_mm,
+        planet_angles_rad=pairing.angles_rad,
+        body_angles_rad=np.column_stack(pairing.body_angles(assembly.position_rad)),
+        phases=np.stack([pairing.sun_phases, pairing.ring_phases]),
+        order=surviving_order(n, zs) if even else None,
+        orbit_orders=orbit_orders(n, zs, HIGHEST_ORDER) if even else (),
+        mesh_load_factor=factor,
+        ring_torque_Nm=in_newton_metres(1.0) * ring_torque,
+        carrier_torque_Nm=in_newton_metres(1.0) * (found.planets.torque_Nmm + ring_torque),
+        transmission_error_output_urad=1e6 * found.planets.rotation_rad * zs / (zs + zr),
+        sun_orbit_um=1000.0 * (found.moved_mm[:, 0] + np.asarray(assembly.errors.sun_at_mm)),
+        ring_orbit_um=1000.0 * found.moved_mm[:, -1],
+        planet_force_N=on_planets,
+        pin_force_N=force[:, 1:-1, :2],
+        outlines=(sun.outline, planet.outline, ring.outline),
+        meshes=MeshResults(scene, assembly, compliances, found),
+    )
+
+
+def _force_on_body_2(assembly: StageAssembly, found: StageSweep, m: int) -> Floats:
+    """(P, 2) Sum of the normal forces of a mesh on its body 2, in the frame of the carrier, N."""
+    pairs, mesh = found.meshes[m].pairs, assembly.pairing.meshes[m]
+    force = pairs.column("force")
+    parts = [
+        np.bincount(pairs.position, force * pairs.column(f"normal_{k}"), pairs.count.size)
+        for k in "xy"
+    ]
+    return mesh.in_carrier(np.stack(parts, axis=-1))
+
+
+def _contacts(assembly: StageAssembly, found: StageSweep, width_mm: float, p: int) -> PairTable:
+    """Contact pairs of all meshes at a position; sites are planets, the frame is the carrier's."""
+    tables = []
+    for m, mesh in enumerate(assembly.pairing.meshes):
+        column = found.meshes[m].pairs.columns_at(p)
+        own = mesh.in_carrier(np.column_stack([column["x"], column["y"]]))
+        if mesh.with_ring:
+            own = own + assembly.pairing.centers_mm[mesh.planet]
+        normal = mesh.in_carrier(np.column_stack([column["normal_x"], column["normal_y"]]))
+        tables.append(
+            {
+                "site": np.full(len(own), mesh.planet + 1),
+                "radius_mm": np.hypot(*own.T),
+                "arc_length_1_mm": column["s_1"],
+                "arc_length_2_mm": column["s_2"],
+                "x_mm": own[:, 0],
+                "y_mm": own[:, 1],
+                "normal_x": normal[:, 0],
+                "normal_y": normal[:, 1],
+                "force_N": column["force"],
+                "pressure_MPa": column["force"] / (column["cell"] * width_mm),
+                "gap_um": 1000.0 * column["gap"],
+                "cell_mm": column["cell"],
+            }
+        )
+    return PairTable(**{name: np.concatenate([t[name] for t in tables]) for name in tables[0]})
+
+
+def _drawing(assembly: StageAssembly) -> PairDrawing:
+    """Sun and ring at their angles."""
+    sun, _, ring = assembly.bodies
+    angle_1, _, angle_2 = assembly.pairing.body_angles(assembly.position_rad)
+    return PairDrawing(
+        outline_1=sun.outline,
+        outline_2=ring.outline,
+        teeth_1=sun.teeth,
+        teeth_2=ring.teeth,
+        center_distance_mm=0.0,
+        angle_1=angle_1,
+        angle_2=angle_2,
+        bore_radius_1_mm=sun.bore_radius_mm,
+        bore_radius_2_mm=ring.bore_radius_mm,
+    )
+
+
+def mesh_result(
+    scene: Scene, assembly: StageAssembly, compliances: Compliances, found: StageSweep, m: int
+) -> Result:
+    """Ordinary result of one mesh, at its own positions."""
+    mesh = assembly.pairing.meshes[m]
+    first = 1 if mesh.with_ring else 0
+    pair = BodyPair(
+        mesh=assembly.meshes[m],
+        jobs=(assembly.jobs[first], assembly.jobs[first + 1]),
+        discretization=assembly.discretization,
+        effects=assembly.effects,
+        position_rad=mesh.positions(assembly.position_rad),
+        pitches=assembly.pitches,
+        closed=assembly.closed,
+        adaptive=False,
+        notes=(),
+    )
+    own = compliances[first], compliances[first + 1]
+    result = result_of(
+        scene, pair, own, found.meshes[m], estimate=None, geometry=pair_geometry(pair, own)
+    )
+    which = "ring" if mesh.with_ring else "sun"
+    unknown = np.full(assembly.position_rad.size, np.nan)
+    return replace(
+        result,
+        name=f"{scene.name}: planet {mesh.planet + 1} with the {which}",
+        stiffness_tangent_Nm_per_rad=unknown,
+        warnings=(),
+    )

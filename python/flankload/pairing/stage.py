@@ -1,0 +1,332 @@
+"""The gear meshes of a planetary stage in the frame of its carrier, and their phases.
+
+The sun is at the origin, planet j at the polar angle psi_j on the radius of the centre distance.
+Positions are rotations of the sun, counter-clockwise, in the sense of its torque; at position zero
+pair 0 of the mesh of the sun with planet 1 is at the pitch point.
+
+The mesh of the sun with planet j is a pair in a frame turned by psi_j. The torque turns a planet
+clockwise, so that its coast flanks drive the ring: their mesh is a pair in the mirror image, in
+which planet and ring turn counter-clockwise. Its frame is at the planet, with the ring's axis on
+its positive x axis: turned by psi_j + pi, with the sign of y reversed.
+
+Planets can be assembled at multiples k_j of a turn over the sum of the tooth numbers of sun and
+ring. So all phases follow from tooth numbers, and the teeth of the sun and of the ring in the
+meshes from sums of integers.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from math import gcd, lcm, pi
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from flankload.base.rotation import directions
+from flankload.errors import SceneError
+from flankload.pairing.pairing import (
+    Pairing,
+    at_sites,
+    pair_bodies,
+    path_sites,
+    pitch_turns,
+    teeth_until_alike,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flankload.base.arrays import Floats
+    from flankload.bodies.body import Body
+
+#: Names of the bodies of both kinds of mesh, as tables of the scene.
+SUN_MESH, RING_MESH = ("body_1", "planet"), ("planet", "body_2")
+
+
+@dataclass(frozen=True)
+class StageMesh:
+    """A gear mesh of a stage.
+
+    Attributes
+    ----------
+    planet : int
+        Number of the planet, from 0.
+    names : (str, str)
+        Tables of both bodies: `SUN_MESH` or `RING_MESH`.
+    pairing : Pairing
+        In the frame of the mesh. Positions are rotations of body 1 from pair 0 at the pitch point;
+        teeth are those of the whole bodies: of a sun or a ring counted from pair 0 of planet 1.
+    offset_rad, rate : float
+        Position of the mesh at position zero of the stage, and its change per rad of it.
+    frame_rad : float
+        Angle from the frame of the carrier to that of the mesh.
+    sense : int
+        1; -1 if the frame of the mesh is a mirror image.
+    """
+
+    planet: int
+    names: tuple[str, str]
+    pairing: Pairing
+    offset_rad: float
+    rate: float
+    frame_rad: float
+    sense: int
+
+    @property
+    def with_ring(self) -> bool:
+        """Whether the mesh is that of the planet with the ring."""
+        return self.names == RING_MESH
+
+    @property
+    def phase(self) -> float:
+        """Position at position zero of the stage, in pitches: greater than -1/2, at most 1/2."""
+        return self.offset_rad / self.pairing.pitch_rad
+
+    def positions(self, position_rad: Floats) -> Floats:
+        """(P,) Positions of the mesh at positions of the stage."""
+        return np.asarray(self.offset_rad + self.rate * position_rad)
+
+    def turns(self, position_rad: Floats) -> Floats:
+        """(P, 2) Angles of both bodies in the frame of the mesh at positions of the stage."""
+        return np.stack(self.pairing.turns(self.positions(position_rad)), axis=-1)
+
+    def in_carrier(self, vectors: Floats) -> Floats:
+        """Vectors (…, 2) of the frame of the mesh in that of the carrier."""
+        along, across = directions(np.array([self.frame_rad, self.frame_rad + 0.5 * pi]))
+        return np.asarray(vectors[..., :1] * along + self.sense * vectors[..., 1:] * across)
+
+
+@dataclass(frozen=True)
+class StagePairing:
+    """All gear meshes of a stage of n planets.
+
+    Attributes
+    ----------
+    angles_rad : (n,) array
+        Polar angles of the planets.
+    places : tuple of n int
+        Their angles from planet 1, in parts of a turn over the teeth of sun and ring.
+    teeth : (int, int, int)
+        Tooth numbers of sun, planet and ring.
+    center_distance_mm : float
+    meshes : tuple of 2 n StageMesh
+        Those with the sun in the order of the planets, then those with the ring.
+    ring_turn_rad : float
+        Angle of the centre line of a space in the frame of the ring.
+    warnings : tuple of str
+    """
+
+    angles_rad: Floats
+    places: tuple[int, ...]
+    teeth: tuple[int, int, int]
+    center_distance_mm: float
+    meshes: tuple[StageMesh, ...]
+    ring_turn_rad: float
+    warnings: tuple[str, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of planets."""
+        return len(self.places)
+
+    @property
+    def pitch_rad(self) -> float:
+        """Tooth pitch of the sun, rad."""
+        return 2.0 * pi / self.teeth[0]
+
+    @property
+    def centers_mm(self) -> Floats:
+        """(n, 2) Axes of the planets in the frame of the carrier."""
+        return np.asarray(self.center_distance_mm * directions(self.angles_rad))
+
+    @property
+    def equally_spaced(self) -> bool:
+        """Whether all neighbouring planets are equally far apart."""
+        whole, n = self.teeth[0] + self.teeth[2], self.count
+        return all(n * place == j * whole for j, place in enumerate(self.places))
+
+    def body_angles(self, position_rad: Floats) -> tuple[Floats, Floats, Floats]:
+        """Angles of the frames of sun (P,), planets (P, n) and ring (P,) in that of the carrier."""
+        suns, rings = self.meshes[: self.count], self.meshes[self.count :]
+        sun = suns[0].frame_rad + suns[0].turns(position_rad)[:, 0]
+        planets = [mesh.frame_rad + mesh.turns(position_rad)[:, 1] for mesh in suns]
+        # the mirror image of a ring, whose space has its centre line on the axis of its frame
+        ring = rings[0].frame_rad - rings[0].turns(position_rad)[:, 1]
+        return sun, np.stack(planets, axis=-1), ring - 2.0 * self.ring_turn_rad
+
+    @property
+    def sun_phases(self) -> Floats:
+        """(n,) Phases of the meshes with the sun, in pitches."""
+        return np.array([mesh.phase for mesh in self.meshes[: self.count]])
+
+    @property
+    def ring_phases(self) -> Floats:
+        """(n,) Phases of the meshes with the ring, in pitches."""
+        return np.array([mesh.phase for mesh in self.meshes[self.count :]])
+
+
+def surviving_order(count: int, sun_teeth: int) -> int:
+    """N = n/gcd(n, z_s) of n equally spaced planets: only multiples of N survive.
+
+    These are the orders of the mesh frequency in the transmission error and in all other scalars,
+    also with lift-off and contact on corners: an advance by z_s/n of a pitch renumbers the planets.
+    """
+    return count // gcd(count, sun_teeth)
+
+
+def orbit_orders(count: int, sun_teeth: int, highest: int) -> tuple[int, ...]:
+    """Orders l of w = x + i y = sum of w_l e^(2 pi i l t) in the orbit of the sun, up to a highest.
+
+    These are l with l z_s = 1 modulo n, of either sign, by magnitude; none if n and z_s have a
+    common factor.
+    """
+    orders = (order for order in range(-highest, highest + 1) if order)
+    found = [order for order in orders if count > 1 and (order * sun_teeth - 1) % count == 0]
+    return tuple(sorted(found, key=abs))
+
+
+def repeating_pitches(bodies: tuple[Body, Body, Body], run_outs: tuple[bool, bool]) -> int:
+    """Tooth pitches of the sun after which everything repeats.
+
+    `bodies`: sun, planet, ring; `run_outs`: whether sun and ring have a run-out.
+    """
+    repeat = [teeth_until_alike(body) for body in bodies]
+    repeat += [body.teeth for body, out in zip(bodies[::2], run_outs, strict=True) if out]
+    return lcm(*repeat)
+
+
+def stage_pairing(
+    bodies: tuple[Body, Body, Body],
+    places: Sequence[int],
+    first_rad: float,
+    center_distance_mm: float,
+    position_rad: Floats,
+) -> StagePairing:
+    """Gear meshes of sun, planet and ring.
+
+    Parameters
+    ----------
+    bodies : Body, Body, Body
+        Sun, planet, ring.
+    places : sequence of n int
+        Angles of the planets from the first one, in parts of a turn over the sum of the tooth
+        numbers of sun and ring (`scene.stage.assembled_places`).
+    first_rad : float
+        Polar angle of planet 1.
+    position_rad : (P,) array
+        Positions, which determine the number of pairs.
+
+    Raises
+    ------
+    SceneError
+        If flanks cannot mesh.
+    """
+    sun, planet, ring = bodies
+    whole = sun.teeth + ring.teeth
+    angles = first_rad + 2.0 * pi * np.asarray(places, dtype=float) / whole
+    suns = [_sun_phase(sun.teeth, place, whole) for place in places]
+    pair_sun = _paired(SUN_MESH, (sun, planet), center_distance_mm)
+    pair_ring = _paired(RING_MESH, (planet, ring), center_distance_mm)
+    rate = sun.teeth / planet.teeth
+    assert planet.involute is not None
+    # the planet's frame in the mirror image at position zero of its mesh with the sun
+    mirrored = pi - pair_sun.turns_at_zero_rad[1] - 2.0 * planet.involute.turn_rad
+    base = (mirrored - pair_ring.turns_at_zero_rad[0]) / pair_ring.pitch_rad
+    meshes: dict[tuple[str, str], list[StageMesh]] = {SUN_MESH: [], RING_MESH: []}
+    first_turn = 0
+    for j, (phase, turn) in enumerate(suns):
+        offset, frame = phase * pair_sun.pitch_rad, float(angles[j])
+        place = _Place((sun, planet), (turn, 0), (1, -1), (-1, 1))
+        own = place.of(pair_sun, offset + position_rad)
+        meshes[SUN_MESH].append(StageMesh(j, SUN_MESH, own, offset, 1.0, frame, 1))
+        back = -round(base + phase)
+        first_turn = back if j == 0 else first_turn
+        ring_turn = places[j] - turn - (back - first_turn)
+        offset = (base + phase + back) * pair_ring.pitch_rad
+        place = _Place((planet, ring), (-back, ring_turn), (-1, -1), (0, 1))
+        own = place.of(pair_ring, offset + rate * position_rad)
+        meshes[RING_MESH].append(StageMesh(j, RING_MESH, own, offset, rate, frame + pi, -1))
+    return StagePairing(
+        angles_rad=angles,
+        places=tuple(places),
+        teeth=(sun.teeth, planet.teeth, ring.teeth),
+        center_distance_mm=center_distance_mm,
+        meshes=(*meshes[SUN_MESH], *meshes[RING_MESH]),
+        ring_turn_rad=0.0 if ring.involute is None else ring.involute.turn_rad,
+        warnings=(*_named_warnings(pair_sun, SUN_MESH), *_named_warnings(pair_ring, RING_MESH)),
+    )
+
+
+def _sun_phase(sun_teeth: int, place: int, whole: int) -> tuple[float, int]:
+    """Phase of a planet's mesh with the sun in pitches, and the tooth of the sun in its pair 0."""
+    part = -sun_teeth * place % whole
+    part -= whole if 2 * part > whole else 0
+    return part / whole, (part + sun_teeth * place) // whole
+
+
+def _paired(names: tuple[str, str], bodies: tuple[Body, Body], distance: float) -> Pairing:
+    """Pair of two bodies of a stage at its position zero; errors name their tables."""
+    even = (replace(body, pitch_errors_um=()) for body in bodies)
+    try:
+        return pair_bodies(*even, center_distance_mm=distance, position_rad=np.zeros(1))
+    except SceneError as error:
+        raise with_names(error, names) from None
+
+
+def with_names(error: SceneError, names: tuple[str, str]) -> SceneError:
+    """An error about the bodies of a pair with the tables of a stage."""
+    texts = (_named(text, names) for text in (error.key, error.expected, error.found))
+    key, expected, found = texts
+    return type(error)(key=key, expected=expected, found=found, file=error.file)
+
+
+def _named_warnings(pairing: Pairing, names: tuple[str, str]) -> tuple[str, ...]:
+    """Warnings about a pair, with the mesh to which they apply."""
+    mesh = "sun and planet" if names == SUN_MESH else "planet and ring"
+    return tuple(f"{mesh}: {_named(line, names)}" for line in pairing.warnings)
+
+
+def _named(text: str, names: tuple[str, str]) -> str:
+    """A text about body_1 and body_2 with other names in their place."""
+    return re.sub(r"body_([12])", lambda found: names[int(found[1]) - 1], text)
+
+
+class _Place(NamedTuple):
+    """Two bodies of a mesh among all meshes of a stage.
+
+    Attributes
+    ----------
+    first : (int, int)
+        Tooth of each whole body in pair 0.
+    senses : (int, int)
+        Change of the tooth from a pair to the next.
+    entries : (int, int)
+        Number of the pitch error of a tooth over the number of the tooth; 0: none applies.
+    """
+
+    bodies: tuple[Body, Body]
+    first: tuple[int, int]
+    senses: tuple[int, int]
+    entries: tuple[int, int]
+
+    def of(self, pairing: Pairing, position_rad: Floats) -> Pairing:
+        """The pairing with the sites at positions of the mesh, and with teeth of whole bodies."""
+        one, two = self.bodies
+        sites = path_sites(
+            pairing.gear_geometry, one.teeth, two.teeth, position_rad, coast_flanks=False
+        )
+        teeth, angles = [], []
+        for z, body in enumerate(self.bodies):
+            even = replace(body, pitch_errors_um=())
+            teeth.append((self.first[z] + self.senses[z] * sites) % body.teeth)
+            turns = pitch_turns(body, self.entries[z] * teeth[z]) if self.entries[z] else 0.0
+            angles.append(at_sites(even, sites, (1, -two.outward)[z])[1] + turns)
+        none = np.zeros(sites.size)
+        return replace(
+            pairing,
+            sites=sites,
+            site_teeth=(teeth[0], teeth[1]),
+            site_angles_rad=(angles[0], angles[1]),
+            site_deviations_mm=(none, none),
+        )

@@ -1,0 +1,224 @@
+"""Quantities of a planetary stage: load sharing of its planets, forces, orbits, torques."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.errors import InputError
+from flankload.result.drives import Drive
+from flankload.result.engagement import rows_of_positions
+from flankload.result.harmonics import over_positions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from flankload.base.arrays import Floats
+    from flankload.result.result import Result
+
+#: Kinds of mesh of a planet, and the index of the first one.
+MESHES = ("sun", "ring")
+#: Largest order of the mesh frequency in the summary.
+HIGHEST_ORDER = 12
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StageLoads(Drive):
+    """Loads of a planetary stage at P positions, n planets, in the frame of its carrier.
+
+    Attributes
+    ----------
+    teeth : (int, int, int)
+        Tooth numbers of sun, planet and ring.
+    center_distance_mm : float
+    planet_angles_rad : (n,) array
+        Polar angles of the planets.
+    body_angles_rad : (P, n + 2) array
+        Angles of the frames of sun, planets and ring.
+    phases : (2, n) array
+        Phases of the meshes with the sun and with the ring at position zero, in pitches.
+    order : int or None
+        Only multiples of this order of the mesh frequency survive; None if planets differ.
+    orbit_orders : tuple of int
+        Orders of the orbit of the sun that survive; negative ones run clockwise.
+    mesh_load_factor : (P,) array
+        K_gamma: number of planets times the largest share.
+    ring_torque_Nm, carrier_torque_Nm : (P,) arrays
+        Torque of the planets on the ring, clockwise, and torque on the carrier, counter-clockwise.
+    transmission_error_output_urad : (P,) array
+        Rotation of the carrier behind its position without load, with the ring at rest, urad.
+    sun_orbit_um, ring_orbit_um : (P, 2) arrays
+        Displacements of sun and ring.
+    planet_force_N : (P, n, 2) array
+        Force of the sun on each planet.
+    pin_force_N : (P, n, 2) array
+        Force of each planet on its pin.
+    outlines : three (k, 2) arrays
+        Contours of one sector of sun, planet and ring.
+    meshes : sequence of 2n Result
+        Results of the meshes with the sun, then those with the ring.
+    """
+
+    teeth: tuple[int, int, int]
+    center_distance_mm: float
+    planet_angles_rad: Floats
+    body_angles_rad: Floats
+    phases: Floats
+    order: int | None
+    orbit_orders: tuple[int, ...]
+    mesh_load_factor: Floats = field(metadata={"P": "1"})
+    ring_torque_Nm: Floats = field(metadata={"P": "N m"})
+    carrier_torque_Nm: Floats = field(metadata={"P": "N m"})
+    transmission_error_output_urad: Floats = field(metadata={"P": "urad"})
+    sun_orbit_um: Floats
+    ring_orbit_um: Floats
+    planet_force_N: Floats
+    pin_force_N: Floats
+    outlines: tuple[Floats, Floats, Floats]
+    meshes: Sequence[Result]
+
+    name = "stage"
+    key = "stage"
+    words_for_sites = ("planet", "planets")
+    has_pressures = True
+    pairs_advance = False
+    sites_stay = True
+    site_word = "planet"
+
+    @classmethod
+    def units(cls, axes: str) -> dict[str, str]:
+        """Units of arrays: also of the components of orbits and forces."""
+        more = {
+            "P": dict.fromkeys(
+                (f"{body}_orbit_{k}_um" for body in ("sun", "ring") for k in "xy"), "um"
+            ),
+            "PS": dict.fromkeys(
+                (f"{of}_force_{k}_N" for of in ("planet", "pin") for k in "xy"), "N"
+            ),
+        }
+        return super().units(axes) | more[axes]
+
+    @property
+    def sun_orbit_x_um(self) -> Floats:
+        """(P,) Displacement of the sun along x in the frame of the carrier."""
+        return np.asarray(self.sun_orbit_um[..., 0])
+
+    @property
+    def sun_orbit_y_um(self) -> Floats:
+        """(P,) Displacement of the sun along y in the frame of the carrier."""
+        return np.asarray(self.sun_orbit_um[..., 1])
+
+    @property
+    def ring_orbit_x_um(self) -> Floats:
+        """(P,) Displacement of the ring along x in the frame of the carrier."""
+        return np.asarray(self.ring_orbit_um[..., 0])
+
+    @property
+    def ring_orbit_y_um(self) -> Floats:
+        """(P,) Displacement of the ring along y in the frame of the carrier."""
+        return np.asarray(self.ring_orbit_um[..., 1])
+
+    @property
+    def planet_force_x_N(self) -> Floats:
+        """(P, n) Force of the sun on each planet along x in the frame of the carrier."""
+        return np.asarray(self.planet_force_N[..., 0])
+
+    @property
+    def planet_force_y_N(self) -> Floats:
+        """(P, n) Force of the sun on each planet along y in the frame of the carrier."""
+        return np.asarray(self.planet_force_N[..., 1])
+
+    @property
+    def pin_force_x_N(self) -> Floats:
+        """(P, n) Force of each planet on its pin along x in the frame of the carrier."""
+        return np.asarray(self.pin_force_N[..., 0])
+
+    @property
+    def pin_force_y_N(self) -> Floats:
+        """(P, n) Force of each planet on its pin along y in the frame of the carrier."""
+        return np.asarray(self.pin_force_N[..., 1])
+
+    @property
+    def count(self) -> int:
+        """Number of planets."""
+        return self.planet_angles_rad.size
+
+    def mesh(self, planet: int, kind: str) -> Result:
+        """Result of one mesh, planets from 1.
+
+        Raises
+        ------
+        InputError
+            If there is no such mesh.
+        """
+        if kind not in MESHES:
+            raise InputError(f"kind: expected 'sun' or 'ring', found {kind!r}")
+        if planet not in range(1, self.count + 1):
+            raise InputError(f"planet: expected a number from 1 to {self.count}, found {planet!r}")
+        return self.meshes[MESHES.index(kind) * self.count + planet - 1]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The stage in the form of the JSON result."""
+        left_out = ("outlines", "meshes", "body_angles_rad")
+        return {name: value for name, value in vars(self).items() if name not in left_out}
+
+    def rows(self, result: Result) -> list[str]:
+        """A row per position with the shares of all planets."""
+        n = self.count
+        sun = bool(self.sun_orbit_um.any())
+        heads = ["K_gamma", *(f"planet {j + 1}" for j in range(n)), *["sun x", "sun y"] * sun]
+        units = ["", *["share %"] * n, *["um", "um"] * sun]
+
+        def cells(p: int) -> Iterable[str]:
+            yield f"{self.mesh_load_factor[p]:.4f}"
+            yield from (f"{100 * share:.2f}" for share in result.load_share[p])
+            if sun:
+                yield from (f"{value:.3f}" for value in self.sun_orbit_um[p])
+
+        return rows_of_positions(result, heads, units, cells)
+
+    def own_pictures(self, result: Result) -> tuple[str, ...]:
+        several = result.position_rad.size > 1
+        names = ("transmission_error", "planet_load_share") * several
+        orbit = ("sun_orbit",) * bool(several and self.sun_orbit_um.any())
+        return ("planetary_stage", *names, *orbit)
+
+    def summary(self, result: Result) -> dict[str, Any]:
+        """Entries of the summary."""
+        pin = np.hypot(*np.moveaxis(self.pin_force_N, -1, 0))
+        orbit = np.hypot(*self.sun_orbit_um.T)
+        over = over_positions(result)
+        amplitudes = over.harmonics(
+            result.transmission_error_um, every=result.period_pitches, count=HIGHEST_ORDER
+        )
+        survive = None
+        if self.order is not None:
+            survive = list(range(self.order, HIGHEST_ORDER + 1, self.order))
+        return {
+            "mesh_load_factor_max": float(self.mesh_load_factor.max()),
+            "mesh_load_factor_mean": over.mean(self.mesh_load_factor),
+            "pin_force_max_N": float(pin.max()),
+            "sun_orbit_max_um": float(orbit.max()),
+            "ring_torque_mean_Nm": over.mean(self.ring_torque_Nm),
+            "carrier_torque_mean_Nm": over.mean(self.carrier_torque_Nm),
+            "transmission_error_orders_um": amplitudes,
+            "surviving_orders": survive,
+            "surviving_orbit_orders": list(self.orbit_orders),
+        }
+
+    def words(self) -> str:
+        """Text of a report."""
+        text = f"K_gamma {self.mesh_load_factor.max():.4f} at most, torque on the ring "
+        text += f"{self.ring_torque_Nm.mean():.5g} N m, on the carrier "
+        text += f"{self.carrier_torque_Nm.mean():.5g} N m"
+        if self.order is not None:
+            orders = (
+                "all orders survive"
+                if self.order == 1
+                else (f"only multiples of order {self.order} survive in the transmission error")
+            )
+            text += f"; {orders}"
+        return text

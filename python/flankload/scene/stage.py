@@ -1,0 +1,333 @@
+"""The table [stage] of planetary stages: a sun (body 1), equal planets, and a ring (body 2).
+
+The frame is that of the carrier, with the sun at the origin. Lists have an entry per planet, in the
+order of their angles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from math import floor, inf, radians, sin
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from msgspec import Meta
+
+from flankload.scene.axial import three_dimensional_key
+from flankload.scene.effects.keys import EffectsAsked
+from flankload.scene.gear import Gear, Ring
+from flankload.scene.mates import check_base_pitches
+from flankload.scene.refusal import refuse, shown
+from flankload.scene.table import (
+    USUAL_ERRORS,
+    USUAL_MODIFICATION,
+    Angle,
+    Angles,
+    Deviation,
+    Force,
+    Relief,
+    Table,
+    about,
+)
+
+if TYPE_CHECKING:
+    from flankload.scene.scene import SceneFile
+
+MOST_PLANETS = 30
+Errors = tuple[Deviation, ...]
+Stiffness = Annotated[float, Meta(ge=1e-6, le=1e9)]
+#: Radial and tangential. (msgspec crashes on tuple[float, float] in a union.)
+TwoStiffnesses = Annotated[tuple[Stiffness, ...], Meta(min_length=2, max_length=2)]
+#: Usual stiffnesses of pins, bearings and bolts, N/um; 1e3 N/mm is 1 N/um.
+USUAL_STIFFNESS = (0.05, 1e5)
+#: Largest distance of a planet from an angle at which it can be assembled, in pitches: the rounding
+#: of an angle in a file.
+ASSEMBLED = 1e-6
+#: Effects that a stage may have; others act on a pair of bodies.
+EFFECTS = frozenset({"contact", "tooth_coupling", "tip_contact", "beyond_limits", "dimension"})
+#: Reasons why a stage has no other effects.
+WITHOUT = {
+    "friction_coefficient": "that friction between several meshes has one solution is not proven",
+    "choose": "the choice of effects compares runs of a pair",
+}
+
+
+class Stage(Table, frozen=True, kw_only=True):
+    """A planetary stage: numbers, errors and supports of its planets, its sun and its ring."""
+
+    planets: Annotated[
+        Annotated[int, Meta(ge=1, le=MOST_PLANETS)] | None,
+        about("number of equally spaced planets; planet 1 is on the positive x axis", "-"),
+    ] = None
+    angles_deg: Annotated[
+        Angles | None,
+        about(
+            "polar angles of the planets about the sun, counter-clockwise from the positive x "
+            "axis, ascending, instead of planets",
+            "deg",
+        ),
+    ] = None
+    floating: Annotated[
+        Literal["none", "sun", "ring"],
+        about("the member that is free to move in the plane; the others are centred"),
+    ] = "none"
+    pin_tangential_errors_um: Annotated[
+        Errors,
+        about(
+            "displacement of each pin along the circumference, positive against the push of the "
+            "sun: this planet carries more",
+            "um",
+            usual=USUAL_ERRORS,
+        ),
+    ] = ()
+    pin_radial_errors_um: Annotated[
+        Errors,
+        about(
+            "displacement of each pin along the radius, positive towards the axis",
+            "um",
+            usual=USUAL_ERRORS,
+        ),
+    ] = ()
+    planet_thickness_errors_um: Annotated[
+        Errors,
+        about(
+            "excess of the normal thickness of all teeth of each planet, half of it on either side",
+            "um",
+            usual=USUAL_ERRORS,
+        ),
+    ] = ()
+    pin_stiffness_N_per_um: Annotated[
+        Stiffness | TwoStiffnesses | None,
+        about(
+            "stiffness of each pin with its bearing: a number, or radial and tangential; absent = "
+            "rigid",
+            "N/um",
+            usual=USUAL_STIFFNESS,
+        ),
+    ] = None
+    sun_run_out_um: Annotated[
+        Relief,
+        about(
+            "radial run-out of the teeth of the sun, twice their eccentricity",
+            "um",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = 0.0
+    sun_run_out_angle_deg: Annotated[
+        Angle,
+        about(
+            "direction of the eccentricity of the sun at position 0, counter-clockwise from the "
+            "positive x axis; it turns with the sun",
+            "deg",
+        ),
+    ] = 0.0
+    ring_run_out_um: Annotated[
+        Relief,
+        about(
+            "radial run-out of the teeth of the ring, twice their eccentricity",
+            "um",
+            usual=USUAL_MODIFICATION,
+        ),
+    ] = 0.0
+    ring_run_out_angle_deg: Annotated[
+        Angle, about("direction of the eccentricity of the ring, as that of the sun", "deg")
+    ] = 0.0
+    sun_stiffness_N_per_um: Annotated[
+        Stiffness | None,
+        about(
+            "radial stiffness of the support of a floating sun; absent = it moves without "
+            "resistance",
+            "N/um",
+            usual=USUAL_STIFFNESS,
+        ),
+    ] = None
+    sun_weight_N: Annotated[Force, about("weight of a floating sun", "N")] = 0.0
+    sun_weight_angle_deg: Annotated[
+        Angle,
+        about("direction of the weight, counter-clockwise from the positive x axis", "deg"),
+    ] = -90.0
+    ring_support: Annotated[
+        Literal["clamped", "free"],
+        about(
+            "support of the outside of the ring's rim: 'clamped' = no point of it moves relative "
+            "to the others; 'free' = the rim of a floating ring bends, only its mean rotation is "
+            "held"
+        ),
+    ] = "clamped"
+
+    @property
+    def count(self) -> int:
+        """Number of planets."""
+        return len(self.angles_deg) if self.angles_deg is not None else (self.planets or 0)
+
+    @property
+    def nominal_angles_deg(self) -> tuple[float, ...]:
+        """Polar angle of each planet as in the scene, deg."""
+        if self.angles_deg is not None:
+            return self.angles_deg
+        return tuple(360.0 * j / self.count for j in range(self.count))
+
+    def errors_mm(self, name: str) -> tuple[float, ...]:
+        """A list of errors (n,), 0 without one, mm."""
+        values = getattr(self, name) or (0.0,) * self.count
+        return tuple(value / 1000.0 for value in values)
+
+    @property
+    def pin_stiffness_N_per_mm(self) -> tuple[float, float] | None:
+        """Radial and tangential stiffness of a pin, N/mm; None if it is rigid."""
+        found = self.pin_stiffness_N_per_um
+        if found is None:
+            return None
+        radial, tangential = found if isinstance(found, tuple) else (found, found)
+        return 1000.0 * radial, 1000.0 * tangential
+
+    def check(self) -> None:
+        """Check the rules between the keys of this table."""
+        if (self.planets is None) == (self.angles_deg is None):
+            both = self.planets is not None
+            refuse("stage.planets", "either planets or angles_deg", "both" if both else "neither")
+        for one, two in pairwise(self.angles_deg or ()):
+            if two <= one:
+                refuse("stage.angles_deg", f"ascending angles, after {one:g}", f"{two:g}")
+        for name in ERRORS:
+            values = getattr(self, name)
+            if values and len(values) != self.count:
+                expected = f"one entry per planet: {self.count}"
+                refuse(f"stage.{name}", expected, f"{len(values)} entries")
+        self._check_sun()
+        self._check_rim()
+
+    def _check_sun(self) -> None:
+        """Check that support and weight belong to a floating sun."""
+        for name in ("sun_stiffness_N_per_um", "sun_weight_N"):
+            if getattr(self, name) and self.floating != "sun":
+                expected = "nothing, unless stage.floating is 'sun'"
+                refuse(f"stage.{name}", expected, getattr(self, name))
+
+    def _check_rim(self) -> None:
+        """Check that a free rim floats, and that no second member floats without springs."""
+        if self.ring_support != "free" or self.floating == "ring":
+            return
+        if self.floating == "none":
+            expected = "'clamped', or stage.floating = 'ring': nothing centres a free rim"
+            refuse("stage.ring_support", expected, "'free'")
+        expected = "'clamped': a free rim floats beside the floating "
+        expected += f"{self.floating}, so that the position of both is undetermined"
+        refuse("stage.ring_support", expected, "'free'")
+
+
+#: Keys with one entry per planet.
+ERRORS = ("pin_tangential_errors_um", "pin_radial_errors_um", "planet_thickness_errors_um")
+
+
+def check_stage(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """Check the tables of a stage together; `given`: scene as in the file."""
+    stage, planet = asked.stage, asked.planet
+    if stage is None or planet is None:
+        for there, missing in (("stage", "planet"), ("planet", "stage")):
+            if getattr(asked, there) is not None:
+                refuse(missing, f"a table, beside [{there}]", None)
+        return
+    _check_members(asked, planet)
+    stage.check()
+    _check_effects(asked, given.get("effects", {}))
+    _check_states(asked)
+    assert isinstance(asked.body_1, Gear)
+    assert isinstance(asked.body_2, Ring)
+    assembled_places(stage, asked.body_1.teeth + asked.body_2.teeth)
+    _check_neighbours(asked, stage, planet)
+
+
+def _check_members(asked: SceneFile, planet: Gear) -> None:
+    """Check kinds, base pitches, tooth numbers and plane bodies."""
+    for name, form in (("body_1", Gear), ("body_2", Ring)):
+        body = getattr(asked, name)
+        if not isinstance(body, form):
+            expected = (
+                f"'{form.__struct_config__.tag}' with [stage]: body_1 is the sun, body_2 the "
+            )
+            refuse(f"{name}.kind", expected + "ring", f"'{body.kind}'")
+    check_base_pitches(asked.body_1, planet, names=("body_1", "planet"))
+    varying = three_dimensional_key(asked)
+    if varying is not None:
+        expected = "nothing with [stage]: this version has plane stages, without helix and width"
+        refuse(varying.removesuffix(" = 3"), expected, "a value")
+
+
+def _check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
+    """Refuse the effects that a stage does not have."""
+    plain = EffectsAsked()
+    for key, value in given.items():
+        if key in EFFECTS or value == getattr(plain, key):
+            continue
+        why = WITHOUT.get(key, "this version has it for two bodies")
+        refuse(f"effects.{key}", f"nothing with [stage]: {why}", shown(value))
+
+
+def _check_states(asked: SceneFile) -> None:
+    """Refuse states without torque, in which the planets are free, and adaptive positions."""
+    if not all(asked.load.torques_Nm):
+        expected = "a number > 0 with [stage]: without load the planets are free to turn"
+        refuse("load.torque_Nm", expected, "0")
+    if asked.positions.adaptive:
+        expected = "false with [stage]: this version has it for two bodies"
+        refuse("positions.adaptive", expected, shown(True))
+
+
+def assembled_places(stage: Stage, teeth: int) -> tuple[int, ...]:
+    """Place (n,) of each planet from the first one, in parts 1/teeth of a turn.
+
+    Planets can be assembled at these places only; `teeth` is the sum of those of sun and ring.
+
+    Raises
+    ------
+    SceneError
+        At the first planet at another angle; names the two nearest possible angles.
+    """
+    angles = stage.nominal_angles_deg
+    key, found = "stage.planets", f"{stage.count}: "
+    if stage.angles_deg is not None:
+        key, found = "stage.angles_deg", ""
+    places = []
+    for j, angle in enumerate(angles):
+        place = (angle - angles[0]) * teeth / 360.0
+        if abs(place - round(place)) > ASSEMBLED:
+            low, high = (
+                f"{angles[0] + 360.0 * k / teeth:.10g}" for k in (floor(place), floor(place) + 1)
+            )
+            at = key if not found else "stage.angles_deg"
+            expected = f"an angle of planet {j + 1} at which its teeth fit those of sun and ring "
+            expected += f"(multiples of 360/{teeth} deg from planet 1); the nearest are {low} and "
+            expected += f"{high}" + (f" deg in {at}" if found else "")
+            refuse(key if found else f"{key}[{j}]", expected, f"{found}{angle:.10g} deg")
+        places.append(round(place))
+    return tuple(places)
+
+
+def least_apart_deg(stage: Stage) -> float:
+    """Least angle between neighbouring planets, deg; 360 for a single one."""
+    angles = stage.nominal_angles_deg
+    return min(two - one for one, two in pairwise((*angles, angles[0] + 360.0)))
+
+
+def clearance_mm(stage: Stage, center_distance_mm: float, tip_diameter_mm: float) -> float:
+    """Least distance of the tip circles of neighbouring planets; infinite for a single one."""
+    if stage.count == 1:
+        return inf
+    half = 0.5 * radians(min(180.0, least_apart_deg(stage)))
+    return 2.0 * center_distance_mm * sin(half) - tip_diameter_mm
+
+
+def _check_neighbours(asked: SceneFile, stage: Stage, planet: Gear) -> None:
+    """Check that neighbouring planets do not touch."""
+    assert asked.pair is not None
+    distance = asked.pair.center_distance_mm
+    if distance is None or stage.count == 1:
+        return
+    clear = clearance_mm(stage, distance, planet.tip_diameter_mm)
+    if clear <= 0.0:
+        expected = (
+            f"less than {planet.tip_diameter_mm + clear:.4f}, at which neighbouring planets, "
+        )
+        expected += f"{least_apart_deg(stage):g} deg apart, touch"
+        refuse("planet.tip_diameter_mm", expected, planet.tip_diameter_mm)

@@ -1,0 +1,220 @@
+"""Planetary stages: whole-body finite elements, closed forms, symmetries."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import flankload as fl
+from flankload.studies.benchmark.case import read_cases
+from tests.support.planetary_stages import four
+from tests.support.solving import solve
+from tests.support.tolerances import SOLVER
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+#: Curves of flanks are accurate to 1e-9 mm, levers and torques to this part.
+LEVERS = 2e-9
+#: Orders that must vanish, um.
+NO_ORDER_UM = 1e-9
+#: Relative error of differences over small errors of the pins.
+DIFFERENCE = 1e-5
+#: Positions off sharp corners.
+SMOOTH = {"count": None, "angles_deg": [1.8, 5.4]}
+
+
+def stage(**changes):
+    return solve(fl.Scene.from_dict(four(**changes)))
+
+
+@pytest.mark.parametrize("contact", ["lumped", "pairs"])
+@pytest.mark.parametrize("name", ["planetary_stage_floating", "planetary_stage_pin_error"])
+def test_whole_body_finite_elements(name, contact):
+    (case,) = (case for case in read_cases(BENCHMARKS) if case.name == name)
+    scene = fl.read_scene(BENCHMARKS / name / "scene.toml")
+    found = solve(scene.replace({"effects.contact": contact}))
+    known = {key: quantity.value for key, quantity in case.quantities.items()}
+    for p in range(found.position_rad.size):
+        te = known[f"transmission_error[{p}]"]
+        assert found.transmission_error_um[p] == pytest.approx(te, rel=1e-3)
+        for j in range(3):
+            share = known[f"load_share[{p}, {j + 1}]"]
+            assert found.planet_load_share[p, j] == pytest.approx(share, abs=5e-4)
+        factor = known.get(f"mesh_load_factor[{p}]", 1.0) - 1.0
+        assert found.mesh_load_factor[p] - 1.0 == pytest.approx(factor, rel=2e-3, abs=1e-9)
+    assert not found.status.any()
+
+
+@pytest.mark.parametrize("contact", ["lumped", "pairs"])
+def test_only_the_orders_of_the_planets_survive(contact):
+    """In turn, with contact on sharp corners: multiples of 4, orbit of orders 1, -3, 5, ..."""
+    count = 16
+    found = stage(positions={"count": count}, effects={"contact": contact})
+    assert found.corner_contact.any()
+    error = np.abs(np.fft.fft(found.transmission_error_um)) / count
+    survives = np.arange(count) % 4 == 0
+    assert error[~survives].max() < NO_ORDER_UM
+    assert error[4] > 0.1
+    orbit = np.abs(np.fft.fft(found.sun_orbit_um @ [1, 1j])) / count
+    assert orbit[np.arange(count) % 4 != 1].max() < NO_ORDER_UM
+    assert orbit[1] > 1.0
+    assert found.summary["surviving_orders"] == [4, 8, 12]
+
+
+def test_counter_phase_shares_unevenly_without_any_error():
+    teeth = {
+        "body_1": {"teeth": 18, "tip_diameter_mm": 59.7},
+        "planet": {"teeth": 18, "tip_diameter_mm": 59.7},
+        "body_2": {
+            "teeth": 54,
+            "tip_diameter_mm": 157.8,
+            "root_diameter_mm": 169.5,
+            "outer_diameter_mm": 192,
+        },
+    }
+    found = stage(**teeth, pair={"center_distance_mm": 54}, load={"torque_Nm": 400})
+    count = found.position_rad.size
+    error = np.abs(np.fft.fft(found.transmission_error_um)) / count
+    assert error[1::2].max() < NO_ORDER_UM
+    assert error[2] > 0.1
+    assert np.abs(found.sun_orbit_um).max() < NO_ORDER_UM
+    assert found.mesh_load_factor.max() > 1.02
+
+
+def test_torques_of_ring_and_carrier():
+    angles = {"count": None, "angles_deg": [1.8]}
+    found = stage(positions=angles, stage={"pin_tangential_errors_um": [20, 0, 0, 0]})
+    assert not found.corner_contact.any()
+    np.testing.assert_allclose(found.ring_torque_Nm, 600 * 59 / 25, rtol=LEVERS)
+    np.testing.assert_allclose(found.carrier_torque_Nm, 600 * 84 / 25, rtol=LEVERS)
+    centers = 63.0 * np.stack([[1, 0, -1, 0], [0, 1, 0, -1]], axis=-1)
+    x, y = np.moveaxis(found.pin_force_N, -1, 0)
+    moments = (centers[:, 0] * y - centers[:, 1] * x).sum(axis=1) / 1000
+    np.testing.assert_allclose(found.carrier_torque_Nm, moments, rtol=LEVERS)
+
+
+def test_shares_follow_the_harmonics_of_the_stiffness_between_the_paths():
+    """Planets in phase: a floating sun removes the harmonics 1 and n - 1 of those of a fixed one.
+
+    Derivatives of the shares by the path error of planet 1, with the coupling through the bodies.
+    """
+    teeth = {
+        "body_1": {"teeth": 25, "tip_diameter_mm": 80.7},
+        "stage": {"planets": 5, "floating": "none"},
+        "body_2": {
+            "teeth": 60,
+            "tip_diameter_mm": 175.8,
+            "root_diameter_mm": 187.5,
+            "outer_diameter_mm": 207,
+        },
+        "planet": {"teeth": 17},
+        "pair": {"center_distance_mm": 64.0},
+    }
+    slopes = {}
+    for floating in ("none", "sun"):
+        sides = []
+        for error in (-0.05, 0.05):
+            errors = {"planets": 5, "floating": floating}
+            errors["pin_tangential_errors_um"] = [error, 0, 0, 0, 0]
+            found = stage(
+                **{**teeth, "stage": errors}, positions={"count": None, "angles_deg": [1.8]}
+            )
+            sides.append(found.planet_load_share[0])
+        slopes[floating] = (sides[1] - sides[0]) / 0.1
+    fixed, free = (np.fft.fft(slopes[name]) for name in ("none", "sun"))
+    largest = np.abs(fixed).max()
+    np.testing.assert_allclose(free[2:4], fixed[2:4], atol=DIFFERENCE * largest)
+    assert np.abs(free[[0, 1, 4]]).max() < DIFFERENCE * largest
+    assert np.abs(fixed[[1, 4]]).min() > 0.5 * largest
+
+
+def test_a_stage_turned_and_renumbered():
+    errors = [15.0, 3.0, -4.0, 7.0]
+    one = stage(positions=SMOOTH, stage={"pin_tangential_errors_um": errors})
+    angles = {"planets": None, "angles_deg": [30, 120, 210, 300]}
+    turned = stage(positions=SMOOTH, stage={**angles, "pin_tangential_errors_um": errors})
+    # planet 2 becomes planet 1, a quarter of a pitch of the sun later
+    later = [angle + 14.4 / 4 for angle in SMOOTH["angles_deg"]]
+    renumbered = stage(
+        positions={"count": None, "angles_deg": [angle - 2 * 14.4 / 4 for angle in later]},
+        stage={"pin_tangential_errors_um": np.roll(errors, -1).tolist()},
+    )
+    np.testing.assert_allclose(turned.transmission_error_um, one.transmission_error_um, rtol=SOLVER)
+    orbit = turned.sun_orbit_um @ [1, 1j] * np.exp(-1j * np.pi / 6)
+    np.testing.assert_allclose(orbit, one.sun_orbit_um @ [1, 1j], rtol=SOLVER)
+    np.testing.assert_allclose(
+        renumbered.transmission_error_um, one.transmission_error_um, rtol=SOLVER
+    )
+    shares = np.roll(renumbered.planet_load_share, 1, axis=1)
+    np.testing.assert_allclose(shares, one.planet_load_share, rtol=SOLVER)
+
+
+def test_one_planet_is_two_pairs_in_series():
+    """A rigid planet does not couple its flanks: the approaches of two pairs add up."""
+    single = stage(
+        positions=SMOOTH,
+        stage={"planets": 1, "floating": "none"},
+        planet={"rigid": True},
+        load={"torque_Nm": 150},
+    )
+    scene = four(planet={"rigid": True})
+    approach = np.zeros(2)
+    for kind, names, ratio in (
+        ("sun", ("body_1", "planet"), 1.0),
+        ("ring", ("planet", "body_2"), 17 / 25),
+    ):
+        mesh = single.mesh(1, kind)
+        pair = {key: scene[key] for key in ("pair", "effects", "accuracy")}
+        pair |= {f"body_{z + 1}": scene[name] for z, name in enumerate(names)}
+        pair["load"] = {"torque_Nm": 150 * ratio}
+        pair["positions"] = {"angles_deg": mesh.position_deg.tolist()}
+        own = solve(fl.Scene.from_dict(pair))
+        approach += own.transmission_error_um
+        np.testing.assert_allclose(
+            mesh.transmission_error_um, own.transmission_error_um, rtol=SOLVER
+        )
+        np.testing.assert_allclose(
+            mesh.site_force_N.sum(axis=1), own.site_force_N.sum(axis=1), rtol=LEVERS
+        )
+    np.testing.assert_allclose(single.transmission_error_um, approach, rtol=SOLVER)
+
+
+def test_planets_that_lift_off():
+    """A floating sun with 4 planets: at most two carry, the others are free."""
+    found = stage(positions=SMOOTH, stage={"pin_tangential_errors_um": [300, 0, 0, 0]})
+    np.testing.assert_allclose(found.mesh_load_factor, 2.0, rtol=2e-3)
+    assert found.planet_load_share[:, [1, 3]].max() < SOLVER
+    assert not found.status.any()
+
+
+def test_weight_and_support_of_the_sun():
+    heavy = stage(positions=SMOOTH, stage={"sun_weight_N": 200.0})
+    light = stage(positions=SMOOTH)
+    force = np.sum(heavy.planet_force_N - light.planet_force_N, axis=1)
+    np.testing.assert_allclose(force, [[0, -200]] * 2, atol=0.05)
+    stiff = stage(positions=SMOOTH, stage={"sun_stiffness_N_per_um": 1e6})
+    fixed = stage(positions=SMOOTH, stage={"floating": "none"})
+    np.testing.assert_allclose(stiff.transmission_error_um, fixed.transmission_error_um, rtol=1e-4)
+
+
+def test_thicker_planets():
+    """Thicker teeth of all planets turn the sun back."""
+    plain = stage(positions=SMOOTH)
+    thick = stage(positions=SMOOTH, stage={"planet_thickness_errors_um": [2.0] * 4})
+    # half of 2 um in each mesh: the sun turns back by 2 um
+    change = thick.transmission_error_um - plain.transmission_error_um
+    np.testing.assert_allclose(change, -2.0, rtol=1e-6)
+
+
+def test_a_run_out_of_the_ring_moves_a_floating_sun():
+    """With equal pressure angles, a displaced ring is met by an equal one of the sun."""
+    plain = stage(positions=SMOOTH, stage={"planets": 3})
+    out = stage(positions=SMOOTH, stage={"planets": 3, "ring_run_out_um": 20.0})
+    np.testing.assert_allclose(out.planet_load_share, plain.planet_load_share, atol=2e-4)
+    moved = np.hypot(*(out.sun_orbit_um - plain.sun_orbit_um).T)
+    np.testing.assert_allclose(moved, 10.0, rtol=1e-3)
+
+
+def test_rows_of_two_pairs_of_a_mesh_in_one_start():
+    """Their rows are equal to 1e-10: a start with both had no state for the floating sun."""
+    found = stage(positions={"count": None, "angles_deg": [2.249, 2.25, 2.26, 2.3]})
+    assert not found.status.any()
