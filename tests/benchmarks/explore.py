@@ -22,18 +22,23 @@ CASES = (
 )
 #: Wanted seconds from the elements to the painted page.
 WANTED_START_S = 2.0
-EVENTS, PAUSE_S = 15, 0.6
+EVENTS, QUIET_MS = 15, 600
 READY = "window.flankload_painted >= 1 && deep('canvas').length > 3"
-#: A step of the first slider, and the time until an answer is painted.
-STEP = """new Promise(done => {
-  const slider = deep('.noUi-handle')[0], before = window.flankload_painted;
+#: A step of the first slider when no answer has been painted for some time, and the milliseconds
+#: until one is.
+STEP = f"""(async () => {{
+  const pause = ms => new Promise(done => setTimeout(done, ms));
+  let before = null;
+  while (before !== window.flankload_painted) {{
+    before = window.flankload_painted;
+    await pause({QUIET_MS});
+  }}
   const begin = performance.now();
-  slider.dispatchEvent(new KeyboardEvent("keydown", {key: "ArrowRight", bubbles: true}));
-  const look = () => window.flankload_painted > before
-    ? done(performance.now() - begin) : setTimeout(look, 1);
-  look();
-  setTimeout(() => done(null), 8000);
-})"""
+  const key = new KeyboardEvent("keydown", {{key: "ArrowRight", bubbles: true}});
+  deep('.noUi-handle')[0].dispatchEvent(key);
+  while (window.flankload_painted === before) await pause(1);
+  return performance.now() - begin;
+}})()"""
 
 
 def run() -> str:
@@ -62,9 +67,4 @@ def _measured(name: str, path: str) -> tuple[float, list[float]]:
         begin = time.monotonic()
         browser.open(explorer.url, READY)
         start_s = time.monotonic() - begin
-        times = []
-        for _ in range(EVENTS):
-            time.sleep(PAUSE_S)  # the answers at rest have arrived
-            if (found := browser.value(STEP)) is not None:
-                times.append(found)
-        return start_s, times
+        return start_s, [browser.value(STEP) for _ in range(EVENTS)]
