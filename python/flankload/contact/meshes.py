@@ -171,10 +171,11 @@ def solve_meshes(
         np.array([len(record) for record in records], dtype=np.intc),
         np.concatenate(records),
     )
+    n_columns = len(columns_of(friction=False))
     room = 40 * n_sites * n_positions * n_cases if keep_pairs else 0
     while True:
         site = np.empty(room, dtype=np.intc)
-        table = np.empty(room * len(columns_of(friction=False)))
+        table = np.empty(room * n_columns)
         control = np.zeros(2, dtype=np.intc)
         outputs = _core.flankload_sweep_meshes(*arguments, control, site, table)
         if outputs[-1] < 0:
@@ -182,7 +183,7 @@ def solve_meshes(
         if not np.any(outputs[0] == Status.NO_ROOM):
             break
         room *= 2
-    return _states(outputs[:-1], site, table.reshape(room, len(columns_of(friction=False))))
+    return _states(outputs[:-1], site, table.reshape(room, n_columns))
 
 
 def _states(

@@ -135,6 +135,15 @@ def test_a_support_is_a_motion_under_its_force(level: float) -> None:
     np.testing.assert_allclose(displaced.motion - alone(level).motion, further, rtol=3e-3, atol=0)
 
 
+def test_states_without_their_pairs() -> None:
+    """Pairs are optional: all else is the same to the last bit."""
+    arguments = ([roller(), roller()], [mesh(0.0)], [Motion(0)], ANGLES, [[TORQUE]])
+    states = solve_meshes(*arguments, keep_pairs=False)
+    assert states.pairs[0].count.sum() == 0
+    assert alone(0.0).pairs[0].count.sum() > 0
+    np.testing.assert_array_equal(states.motion, alone(0.0).motion)
+
+
 def test_what_several_meshes_exclude() -> None:
     """Finite forces have a status of their own; wrong members and motions are arguments."""
     bodies = [roller(), roller()]
