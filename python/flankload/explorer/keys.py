@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 #: Tables whose keys are the drive and its load; the others set the discretization.
-OF_DRIVE = (*TABLES[:4], "effects")
+OF_DRIVE = tuple(name for name in TABLES if name not in ("positions", "accuracy"))
+#: Those whose keys belong to no single body.
+OF_BOTH = ("pair", "stage", "load", "effects")
 #: Units of quantities that a designer adjusts about 0: modifications, deviations, loads.
 ADJUSTED = ("um", "um/mm", "mrad", "N m", "N")
 #: Keys with these units that nearly every design of a kind has, if the kind has the key.
@@ -75,7 +77,7 @@ class Key:
         suffix = self.unit.replace("/", "_per_").replace(" ", "").replace("-", "")
         key = key.split("[", maxsplit=1)[0].removesuffix(f"_{suffix}").replace("_", " ")
         body = table.partition(".")[0]
-        return f"{key}, {body.replace('_', ' ')}" if body.startswith("body_") else key
+        return key if body in OF_BOTH else f"{key}, {body.replace('_', ' ')}"
 
     def number(self, value: float) -> float | int:
         """A value of a slider without the roundoff of its steps."""
@@ -87,8 +89,9 @@ def keys_of(scene: Scene) -> dict[str, Key]:
     return {
         key.path: key
         for name in OF_DRIVE
-        for key in _keys_in(getattr(scene, name), name, scene)
-        if not (name == "pair" and scene.is_drive)
+        if isinstance(table := getattr(scene, name), Table)
+        and not (name == "pair" and scene.is_drive)
+        for key in _keys_in(table, name, scene)
     }
 
 
