@@ -136,7 +136,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
 
     type(contact_result) :: result
     type(error_type), allocatable :: error
-    integer :: n_threads
+    integer :: n_threads, status
 
     info = refused_argument([.true., .true., .true., given_reals(compliance, size(compliance)), &
         & given_reals(normal_gaps, size(normal_gaps)), given_reals(motions, size(motions)), &
@@ -159,8 +159,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
         call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
             & structure, method, warm_pairs, result, error)
         call omp_set_num_threads(n_threads)
-        info = result%status
-        if (allocated(error)) info = error%code
     end if
-    call unpack_result(result, forces, gaps, motion, tangent, active, counters, certificate)
+    call unpack_result(result, forces, gaps, motion, tangent, active, counters, certificate, status)
+    if (info >= 0) info = status
+    if (allocated(error)) info = error%code
 end subroutine flankload_solve_contact

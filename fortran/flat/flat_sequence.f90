@@ -99,8 +99,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
         do l = 1, n_loads
             call unpack_result(results(l, p), forces(first:last, l), gaps(first:last, l), &
                 & motion(:, l, p), tangent(:, :, l, p), active(first:last, l), &
-                & counters(:, l, p), certificate(:, l, p))
-            info(l, p) = results(l, p)%status
+                & counters(:, l, p), certificate(:, l, p), info(l, p))
             if (codes(l, p) < 0) info(l, p) = codes(l, p)
         end do
     end do

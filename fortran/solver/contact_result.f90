@@ -2,6 +2,7 @@
 module flankload_contact_result
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     use flankload_kinds, only: wp
+    use flankload_status, only: status_degenerate, status_solved
     implicit none
     private
 
@@ -74,9 +75,10 @@ contains
         result%largest_part = nan
     end subroutine blank
 
-    !> Return the state as arrays of the flat interface.
+    !> Return the state as arrays of the flat interface. A motion on which no force works is one of
+    !> many: one of these is returned, and the state counts as degenerate.
     pure subroutine unpack_result(result, forces, gaps, motion, tangent, active, counters, &
-            & certificate)
+            & certificate, status)
         !> Contact state
         type(contact_result), intent(in) :: result
         !> Forces, gaps, motions and their derivatives
@@ -91,16 +93,22 @@ contains
         integer, intent(out) :: counters(5)
         !> Condition number, growth, backward error, margin, fraction of the loads that can be held
         real(wp), intent(out) :: certificate(5)
+        !> Status of the state
+        integer, intent(out) :: status
 
+        status = result%status
+        if (any(result%free) .and. status == status_solved) status = status_degenerate
         forces = result%forces
         gaps = result%gaps
-        call copy_motion(result%motion, result%tangent, result%free, motion, tangent)
+        motion = result%motion
+        tangent = result%tangent
         active = 0
         active(result%active_pairs) = 1
         counters = [result%pivots, result%refactorisations, merge(1, 0, result%unique), &
             & result%rung, merge(1, 0, result%none_proven)]
         certificate = [result%condition, result%growth, result%backward_error, result%margin, &
             & result%largest_part]
+        if (any(result%free)) certificate(4) = 0.0_wp
     end subroutine unpack_result
 
     !> Copy motions and their derivatives with respect to the loads; those of free motions are NaN.
