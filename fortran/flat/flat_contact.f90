@@ -84,7 +84,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
         & active, counters, certificate, info)
     use omp_lib, only: omp_get_max_threads, omp_set_num_threads
     use flankload_contact_loop, only: solve_contact_problem
-    use flankload_contact_result, only: contact_result, blank, unpack_result
+    use flankload_contact_result, only: contact_result, blank, flat_status, unpack_result
     use flankload_given_arrays, only: given_integers, given_reals
     use flankload_status, only: refused_argument
     use flankload_error, only: error_type
@@ -136,7 +136,7 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
 
     type(contact_result) :: result
     type(error_type), allocatable :: error
-    integer :: n_threads, status
+    integer :: n_threads
 
     info = refused_argument([.true., .true., .true., given_reals(compliance, size(compliance)), &
         & given_reals(normal_gaps, size(normal_gaps)), given_reals(motions, size(motions)), &
@@ -159,8 +159,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
         call solve_contact_problem(compliance, normal_gaps, motions, load_rows, loads, &
             & structure, method, warm_pairs, result, error)
         call omp_set_num_threads(n_threads)
+        info = flat_status(result)
+        if (allocated(error)) info = error%code
     end if
-    call unpack_result(result, forces, gaps, motion, tangent, active, counters, certificate, status)
-    if (info >= 0) info = status
-    if (allocated(error)) info = error%code
+    call unpack_result(result, forces, gaps, motion, tangent, active, counters, certificate)
 end subroutine flankload_solve_contact

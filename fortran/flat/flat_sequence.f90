@@ -6,7 +6,7 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
         & forces, gaps, motion, tangent, active, counters, certificate, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
-    use flankload_contact_result, only: contact_result, unpack_result
+    use flankload_contact_result, only: contact_result, flat_status, unpack_result
     use flankload_contact_sequence, only: solve_contact_sequence
     use flankload_given_arrays, only: given_integers, given_reals
     use flankload_status, only: refused_argument
@@ -99,7 +99,8 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
         do l = 1, n_loads
             call unpack_result(results(l, p), forces(first:last, l), gaps(first:last, l), &
                 & motion(:, l, p), tangent(:, :, l, p), active(first:last, l), &
-                & counters(:, l, p), certificate(:, l, p), info(l, p))
+                & counters(:, l, p), certificate(:, l, p))
+            info(l, p) = flat_status(results(l, p))
             if (codes(l, p) < 0) info(l, p) = codes(l, p)
         end do
     end do

@@ -7,7 +7,7 @@ module flankload_contact_result
     private
 
     public :: contact_result
-    public :: blank, copy_motion, unpack_result
+    public :: blank, copy_motion, flat_status, unpack_result
 
     !> Contact state and certificate, in the caller's units.
     type :: contact_result
@@ -76,9 +76,9 @@ contains
     end subroutine blank
 
     !> Return the state as arrays of the flat interface. A motion on which no force works is one of
-    !> many: one of these is returned, and the state counts as degenerate.
+    !> many: one of these is returned, with the margin 0 of a degenerate state.
     pure subroutine unpack_result(result, forces, gaps, motion, tangent, active, counters, &
-            & certificate, status)
+            & certificate)
         !> Contact state
         type(contact_result), intent(in) :: result
         !> Forces, gaps, motions and their derivatives
@@ -93,11 +93,7 @@ contains
         integer, intent(out) :: counters(5)
         !> Condition number, growth, backward error, margin, fraction of the loads that can be held
         real(wp), intent(out) :: certificate(5)
-        !> Status of the state
-        integer, intent(out) :: status
 
-        status = result%status
-        if (any(result%free) .and. status == status_solved) status = status_degenerate
         forces = result%forces
         gaps = result%gaps
         motion = result%motion
@@ -110,6 +106,17 @@ contains
             & result%largest_part]
         if (any(result%free)) certificate(4) = 0.0_wp
     end subroutine unpack_result
+
+    !> Return the status in the flat interface: a state with a motion on which no force works counts
+    !> as degenerate.
+    elemental function flat_status(result) result(status)
+        !> Contact state
+        type(contact_result), intent(in) :: result
+        integer :: status
+
+        status = result%status
+        if (status == status_solved .and. any(result%free)) status = status_degenerate
+    end function flat_status
 
     !> Copy motions and their derivatives with respect to the loads; those of free motions are NaN.
     pure subroutine copy_motion(found, found_tangent, free, motion, tangent)

@@ -134,6 +134,9 @@ def rollers(text: str) -> None:
     for more, less in zip(solve(1.001), solve(0.999), strict=True):
         step = more.torque_Nmm - less.torque_Nmm
         expected += list(1e6 * (more.rotation_rad - less.rotation_rad) / step)
+    for state in solve(1.0):
+        for rotation in state.rotation_rad:
+            expected += [1e3 * rotation, -1e-3 * state.torque_Nmm]
     expect_numbers(numbers_in(text), np.array(expected))
 
 

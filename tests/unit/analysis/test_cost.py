@@ -276,6 +276,8 @@ def test_each_example_is_solved_at_the_predicted_cost(path: Path) -> None:
     assert result.outside_limits == ()
     assert differences(result.cost) == {}
     assert result.cost["stages"]["sweep"]["predicted"]["counters"]["states"] > 0
+    if scene.stage is not None:
+        return  # without load its planets are free to turn, which is refused
     unloaded = solve_scene(scene.replace({"load.torque_Nm": 0.0}), None, parts)
     assert np.isfinite(unloaded.rotation_rad).all()
     assert "transmission error" in unloaded.table()
