@@ -178,12 +178,21 @@ class PlanetaryStage(StageKeys, frozen=True):
     >>> sun = fl.Gear(teeth=25, module_mm=3, tip_diameter_mm=80.7, bore_diameter_mm=30)
     >>> planet = fl.Gear(teeth=17, module_mm=3, tip_diameter_mm=56.7, bore_diameter_mm=24)
     >>> ring = fl.Ring(
-    ...     teeth=59, module_mm=3, tip_diameter_mm=172.8, root_diameter_mm=184.5,
+    ...     teeth=59,
+    ...     module_mm=3,
+    ...     tip_diameter_mm=172.8,
+    ...     root_diameter_mm=184.5,
     ...     outer_diameter_mm=201,
     ... )
     >>> stage = fl.PlanetaryStage(
-    ...     sun, planet, ring, planets=4, floating="sun", center_distance_mm=63,
-    ...     face_width_mm=20, torque_Nm=600,
+    ...     sun,
+    ...     planet,
+    ...     ring,
+    ...     planets=4,
+    ...     floating="sun",
+    ...     center_distance_mm=63,
+    ...     face_width_mm=20,
+    ...     torque_Nm=600,
     ... )
     >>> result = fl.solve(stage)
     """
