@@ -211,6 +211,7 @@ def test_a_kink_shows_as_two_derivatives() -> None:
         ({}, ["body_1.tip_releif_um"], "body_1.tip_releif_um: expected a key with a number"),
         ({}, ["body_1.name"], "body_1.name: expected a key with a number, found"),
         ({}, ["positions.count"], "positions.count: expected a key of the bodies"),
+        ({}, ["body_1.tip_relief_um"], "body_1.tip_relief_start_diameter_mm: expected a number"),
         ({"accuracy.tolerance": 0.01}, ["load.torque_Nm"], "accuracy.tolerance: expected no tol"),
         ({"effects.choose": "auto"}, ["load.torque_Nm"], "effects.choose: expected named effects"),
     ],
