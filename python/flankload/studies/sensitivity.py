@@ -278,7 +278,7 @@ def _stencil(
         try:
             sides[sense] = continued({path: value + sense * step})
         except SceneError as error:
-            refused = refused or error  # a value below the range says less than a key that is missing
+            refused = refused or error  # of a missing key before a value below its range
         if first_order and sense in sides:
             return _Stencil(sense * step, FIRST_ORDER, (middle, sides[sense], sides[sense]))
     if refused is None:
