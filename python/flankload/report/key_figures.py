@@ -142,6 +142,11 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
         yield "largest force of one of them", "", "N", force
     share = _value(lambda one: 100 * one.summary["load_share_max"], ".2f", "load_share")
     yield "largest share of the force", "", "%", share
+    yield "mesh load factor, largest", "K_γ", "", _entry("mesh_load_factor_max", ".4f")
+    yield "largest force on a pin", "", "N", _entry("pin_force_max_N", ".4g")
+    yield "displacement of the sun, largest", "", "µm", _entry("sun_orbit_max_um", ".2f")
+    yield "torque on the ring, mean", "", "N m", _entry("ring_torque_mean_Nm", ".5g")
+    yield "torque on the carrier, mean", "", "N m", _entry("carrier_torque_mean_Nm", ".5g")
     for kind in ("tangent", "secant"):
         key = f"stiffness_{kind}"
         stiffness = _entry(f"{key}_mean_N_per_um", ".2f", error=key)

@@ -259,6 +259,11 @@ def kinds() -> dict[str, dict[str, Any]]:
         "cam": {**cam, "positions": {"angles_deg": [20, 200]}, "accuracy": coarse},
         "belt": {**belt, "accuracy": {"estimate": False}},
         "chain": {**chain, "positions": {"count": 2}, "accuracy": {"estimate": False}},
+        "stage": {
+            **example("planetary_stage"),
+            "positions": {"count": 2},
+            "accuracy": {**FAST, "flank_element_mm": 3.0},
+        },
         "helical": {
             **helical,
             "positions": {"count": 2},
@@ -304,6 +309,7 @@ def test_every_kind_of_drive_has_a_report(kind: str, monkeypatch: pytest.MonkeyP
     words = {
         "internal": "176.2000 mm", "spline": "48.0000 mm", "cam": "length of the profile",
         "belt": "effective tension", "chain": "roller seating radius", "helical": "overlap ratio",
+        "stage": "mesh load factor, largest",
     }  # fmt: skip
     assert words[kind] in sheet
 
