@@ -30,7 +30,7 @@ TORQUE = 302e3
 #: One pair carries, and two, off the corners of the tips.
 POSITIONS = np.array([0.0, 0.2])
 COARSE = {
-    **{"flank_element_mm": 2.5, "axial_degree": 5, "load_degree_z": 1},
+    **{"flank_element_mm": 4.0, "modes": 4, "axial_degree": 5, "load_degree_z": 1},
     **{"slices": 8, "estimate": False, "tangents": False},
 }
 #: Forces of slices settle to 1e-6 of the largest; an error of a place is as small.

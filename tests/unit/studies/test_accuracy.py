@@ -87,7 +87,7 @@ def spatial(**tables: dict) -> fl.Scene:
     tree = tomllib.loads(SCENE) | {"effects": {"dimension": 3}}
     tree["body_1"] |= {"lead_crowning_um": 10.0, "bore_diameter_mm": 48}  # few elements
     tree["body_2"]["rigid"] = True
-    tree["positions"]["count"] = 4
+    tree["positions"]["count"] = 2
     del tree["accuracy"]
     for name, keys in tables.items():
         tree[name] = tree.get(name, {}) | keys

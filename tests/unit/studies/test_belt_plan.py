@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -29,12 +30,17 @@ def scene_of(**changes: dict[str, Any]) -> fl.Scene:
     return fl.Scene.from_dict(tables(**merged))
 
 
+@cache
+def plain_plan() -> fl.Plan:
+    return fl.plan(scene_of())
+
+
 def first_of(scene: fl.Scene, plan: fl.Plan | None = None) -> fl.Result:
     return fl.solve(scene, plan=plan).by_torque[0]
 
 
 def test_rows_are_those_that_a_belt_knows() -> None:
-    plan = fl.plan(scene_of())
+    plan = plain_plan()
     names = [effect.name for effect in plan.effects]
     assert names == ["several_torques", "land_friction", "land_lift"]
     assert plan.effect("land_friction").assumed == "effects.land_friction = 0.1"
@@ -101,13 +107,13 @@ def test_predicted_counters_are_those_of_the_run(changes: dict[str, Any]) -> Non
 
 
 def test_an_elastic_pulley_has_its_size_and_its_cost() -> None:
+    few = {"positions": {"angles_deg": [0, 6, 8]}}
     scene = scene_of(
-        body_1={"rigid": False, "bore_diameter_mm": 20, "young_modulus_MPa": 1000},
-        **POSITIONS,
+        body_1={"rigid": False, "bore_diameter_mm": 20, "young_modulus_MPa": 1000}, **few
     )
     plan = fl.plan(scene)
     result = first_of(scene, plan)
-    rigid = first_of(scene_of(**POSITIONS))
+    rigid = first_of(scene_of(**few))
     size = plan.effect("elastic_body_1").size
     assert size is not None
     share = np.abs(result.load_share - rigid.load_share).max()
@@ -148,8 +154,7 @@ def test_an_effect_that_does_not_go_with_the_scene_says_so() -> None:
 
 
 def test_a_plan_of_another_belt_is_refused() -> None:
-    scene = scene_of()
-    plan = fl.plan(scene)
+    scene, plan = scene_of(), plain_plan()
     longer = replace(scene, body_2=structs.replace(scene.body_2, wrapped_teeth=6))
     with pytest.raises(fl.errors.InputError, match="plan: expected a plan of this scene"):
         fl.solve(longer, plan=plan)
