@@ -38,11 +38,18 @@ PLAY_MS = 150
 PLACES = 64
 #: After an answer is drawn, its number is returned.
 PAINTED = """
+document.getElementById("figures").innerHTML = sent.data.figures[0];
 const number = sent.data.number;
 requestAnimationFrame(() => setTimeout(() => {
   window.flankload_painted = number[0];
   painted.data = {number: [number[0]]};
 }, 0));
+"""
+#: The status line and its class; as a widget, each text would lay the page out once more.
+STATUS = """
+const line = document.getElementById("status");
+line.innerHTML = status.data.text[0];
+line.className = status.data.mark[0];
 """
 COPY = """
 fetch("scene.toml", {cache: "no-store"}).then(answer => answer.text()).then(text => {
@@ -77,24 +84,25 @@ class Page:
         self._corners: Floats | None = None
         self._derived: Answer | None = None
         self._pictures, self._bodies, self._trail = pictures(), Bodies(), Trail(self._go)
-        self._sent_source = ColumnDataSource({"number": [0]})
+        self._sent_source = ColumnDataSource({"number": [0], "figures": [""]})
+        self._status = ColumnDataSource({"text": ["elements …"], "mark": [""]})
         painted = ColumnDataSource({"number": [0]})
         drawn = CustomJS(args={"sent": self._sent_source, "painted": painted}, code=PAINTED)
         self._sent_source.js_on_change("data", drawn)
-        document.js_on_event("document_ready", drawn)
+        written = CustomJS(args={"status": self._status}, code=STATUS)
+        self._status.js_on_change("data", written)
+        document.js_on_event("document_ready", drawn, written)
         painted.on_change("data", self._on_painted)
-        document.add_root(self._named("status", self._status_bar()))
-        self._status.tags = [self._sent_source, painted]  # parts of the document
         document.add_root(self._named("keys", column(
             *(self._key(key) for key in explorer.shown), self._more(), sizing_mode="stretch_width",
         )))  # fmt: skip
-        document.add_root(self._named("buttons", self._buttons()))
+        buttons = self._named("buttons", self._buttons())
+        buttons.tags = [self._sent_source, painted, self._status]  # parts of the document
+        document.add_root(buttons)
         for name, picture in self._pictures.items():
             document.add_root(self._named(name, picture.figure))
         document.add_root(self._named("bodies", self._turning()))
         document.add_root(self._named("trail", self._trail_column()))
-        self._table = Div(stylesheets=[self._sheet], sizing_mode="stretch_width")
-        document.add_root(self._named("figures", self._table))
         document.template = _text("page.html")
         document.template_variables.update(
             name=explorer.scene.name, style=_text("style.css"), pictures=list(self._pictures)
@@ -163,11 +171,10 @@ class Page:
             self._draw(answer.result)
             for figure in (self._bodies.figure, self._trail.figure):
                 figure.css_classes = []
-            self._status.text = tables.status(answer)
-            self._status.css_classes = ["broken"] if answer.error else []
+            self._say(tables.status(answer), "broken" if answer.error else "")
             if answer.at_rest and answer.result is not None:
                 self._trail.show(self._explorer.trail, self._select.value, self._against.value)
-            self._sent_source.data = {"number": [self._sent]}
+            self._list_figures()
         finally:
             self._document.unhold()
 
@@ -182,8 +189,13 @@ class Page:
                 self._corners = window_of(result)
             self._offer(result)
         self._draw_bodies()
+
+    def _list_figures(self) -> None:
+        """The table, which ends what is sent of an answer."""
+        result = self._shown.result if self._shown else None
         pinned = self._pinned.result if self._pinned else None
-        self._table.text = tables.figures(result, pinned, self._shown)
+        text = tables.figures(result, pinned, self._shown)
+        self._sent_source.data = {"number": [self._sent], "figures": [text]}
 
     def _draw_bodies(self) -> None:
         result = self._shown.result if self._shown else None
@@ -215,7 +227,7 @@ class Page:
 
     def _show_progress(self, stage: str, done: int, total: int) -> None:
         words = "elements" if stage.startswith(ELEMENTS) else stage
-        self._status.text = f"{escape(words)}: {100 * done // max(total, 1)} %"
+        self._say(f"{escape(words)}: {100 * done // max(total, 1)} %", *self._status.data["mark"])
 
     # --- widgets ----------------------------------------------------------------------------------
     def _key(self, key: Key) -> Any:
@@ -246,11 +258,6 @@ class Page:
         more = Select(options=others, stylesheets=[self._sheet], sizing_mode="stretch_width")
         more.on_change("value", self._on_more)
         return more
-
-    def _status_bar(self) -> Div:
-        self._status = Div(text="elements …", stylesheets=[self._sheet],
-                           sizing_mode="stretch_width")  # fmt: skip
-        return self._status
 
     def _buttons(self) -> Any:
         made = {}
@@ -333,6 +340,7 @@ class Page:
         if self._shown is not None and self._shown.result is not None:
             self._pin()
             self._draw(self._shown.result)
+            self._list_figures()
 
     def _pin(self) -> None:
         """Keep the curves that are shown behind those to come."""
@@ -349,10 +357,11 @@ class Page:
 
     def _optimised(self, future: Any) -> None:
         if not future.cancelled() and (error := future.exception()) is not None:
-            self._soon(partial(self._say, f"optimise: {error}"))
+            line = f'<span class="line">{escape(f"optimise: {error}")}</span>'
+            self._soon(partial(self._say, line, *self._status.data["mark"]))
 
-    def _say(self, line: str) -> None:
-        self._status.text = f'<span class="line">{escape(line)}</span>'
+    def _say(self, text: str, mark: str = "") -> None:
+        self._status.data = {"text": [text], "mark": [mark]}
 
     def _go(self, values: dict[str, float]) -> None:
         """Go to a design of the trail."""

@@ -285,10 +285,9 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
     for j, middle in enumerate(result.slice_z_mm):
         rows = np.flatnonzero(z == middle)
         rows = rows[np.argsort(place[rows], kind="stable")]
-        for row in rows:
-            inside = 1.0 - ((grid - place[row]) / half[row]) ** 2
-            peak = pressure[row] * np.sqrt(np.maximum(inside, 0.0))
-            np.maximum(pattern[:, j], peak, out=pattern[:, j])
+        inside = 1.0 - ((grid - place[rows, None]) / half[rows, None]) ** 2
+        peaks = pressure[rows, None] * np.sqrt(np.maximum(inside, 0.0))
+        pattern[:, j] = peaks.max(axis=0, initial=0.0)
         # between two positions the contact moves on: each place has its largest pressure there
         for one, two in pairwise(rows):
             if place[two] - place[one] > CONNECTED * (half[one] + half[two]):
