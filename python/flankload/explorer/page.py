@@ -129,7 +129,7 @@ class Page:
     def take(self, answer: Answer) -> None:
         """Show an answer, unless a newer one is shown; later if the page is still painting."""
         number = answer.request.number
-        if number < self._newest or (number < self._sent):
+        if number < self._newest:
             return
         self._newest = number
         if self._painted_number < self._sent and answer.sensitivity is None:
