@@ -212,8 +212,8 @@ def test_conforming_slices_refuse_friction_and_finite_forces() -> None:
     own = scene(accuracy__slices=2)
     pair = build_bodies(own)
     contact = contact_of(own, pair, (no_compliance(pair.body_1), no_compliance(pair.body_2)))
-    rubs = Friction(np.zeros(1), np.full((1, TEETH), 0.1))
-    for refused in ({"friction": rubs}, {"finite_steps": 2}):
+    friction = Friction(np.zeros(1), np.full((1, TEETH), 0.1))
+    for refused in ({"friction": friction}, {"finite_steps": 2}):
         with pytest.raises(InputError, match="slices along the face width"):
             sweep(replace(contact, **refused), pair.position_rad, [TORQUE_NMM])
 

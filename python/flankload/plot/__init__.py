@@ -302,8 +302,7 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
     """
     shown = as_results(results)
     found = {name: None for one in shown for name in one.engagement.pictures(one)}
-    over_torque = ["torque_sweep", *["mesh_load_factor"] * (shown[0].stage is not None)]
-    return (*found, *over_torque * (len(shown) > 1))
+    return (*found, *shown[0].engagement.over_torque * (len(shown) > 1))
 
 
 def suited(name: str, results: Sequence[Result]) -> Sequence[Result]:

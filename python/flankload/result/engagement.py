@@ -57,6 +57,8 @@ class Engagement(ABC):
     draws_whole_bodies: ClassVar[bool] = True
     #: Number of bodies that it shows as outlines.
     drawn_bodies: ClassVar[int] = 2
+    #: Names of the plots that suit the results of several torques.
+    over_torque: ClassVar[tuple[str, ...]] = ("torque_sweep",)
 
     @abstractmethod
     def rows(self, result: Result) -> Iterable[str]:

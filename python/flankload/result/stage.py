@@ -83,6 +83,7 @@ class StageLoads(Drive):
     name = "stage"
     key = "stage"
     words_for_sites = ("planet", "planets")
+    over_torque = ("torque_sweep", "mesh_load_factor")
     has_pressures = True
     pairs_advance = False
     sites_stay = True

@@ -119,7 +119,7 @@ def test_frames_do_not_matter(level: float) -> None:
 
 @pytest.mark.parametrize("level", [0.0, 1.0])
 def test_a_support_is_a_motion_under_its_force(level: float) -> None:
-    """A pin of body 2 that yields: the same as its displacement by the force on it."""
+    """An elastic pin of body 2: the same as its displacement by the force on it."""
     bodies, meshes, motions = [roller(), roller()], [mesh(level)], [Motion(0)]
     pin = np.array([[3e-6, 1e-6, 0.0], [1e-6, 4e-6, 0.0], [0.0, 0.0, 0.0]])
     on_pin = solve_meshes(

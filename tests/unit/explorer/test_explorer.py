@@ -164,20 +164,20 @@ def test_closing_leaves_no_thread_and_no_address() -> None:
 # --- worker ---------------------------------------------------------------------------------------
 def test_a_burst_ends_with_the_newest_request_and_never_goes_back() -> None:
     scene = scene_of()
-    told: list[Answer] = []
-    worker = Worker(scene, keys_of(scene), told.append, lambda *_: None)
+    answers: list[Answer] = []
+    worker = Worker(scene, keys_of(scene), answers.append, lambda *_: None)
     worker.start()
     for number in range(1, 101):
         changed = scene.replace({"load.torque_Nm": 200.0 + number})
         worker.ask(Request(number, {"load.torque_Nm": 200.0 + number}, changed, moves=True))
         time.sleep(0.002)
     end = time.monotonic() + 30
-    while not (told and told[-1].at_rest) and time.monotonic() < end:
+    while not (answers and answers[-1].at_rest) and time.monotonic() < end:
         time.sleep(0.01)
     worker.close()
-    numbers = [answer.request.number for answer in told]
+    numbers = [answer.request.number for answer in answers]
     assert numbers == sorted(numbers)
-    last = told[-1]
+    last = answers[-1]
     assert (numbers[-1], last.error, len(numbers) < 100) == (100, "", True)
     expected = fl.prepare(scene).solve({"load.torque_Nm": 300.0})
     assert last.result is not None
