@@ -10,7 +10,6 @@ from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any, Self
 
 from flankload.base.arguments import require
-from flankload.cost import Account
 from flankload.errors import FlankloadError, SceneError
 from flankload.explorer.keys import changes_of, keys_of, shown_keys
 from flankload.explorer.page import Page
@@ -57,7 +56,7 @@ class Explorer:
         self._worker = Worker(scene, self.keys, self._tell, self._progress)
         self._worker.derived_keys = self.shown
         mechanism = mechanism_of(scene)
-        mechanism.build(scene, None, Account(), self._worker.parts)  # refuses impossible bodies
+        mechanism.build(scene, None, self._worker.parts)  # refuses impossible bodies
         files = {"report": self._report, "scene.toml": self._toml}
         self._server = Server(self._fill, files, port)
         self.url = self._server.url

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from flankload.cost import Account, held_bytes
 from flankload.elasticity.compliance import (
@@ -24,13 +24,37 @@ from flankload.pairing.body_pair import BodyJob
 from flankload.scene.axial import degrees_of
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
+from flankload.scene.steps import REDUCED_MODES
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.bodies import Body
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
     from flankload.scene.effects import Effects
+
+
+class ElasticBodies(Protocol):
+    """Bodies with their elements before these are solved."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Tables of the bodies in the scene."""
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Bodies in this order."""
+
+    @property
+    def jobs(self) -> tuple[BodyJob, ...]:
+        """Purposes of their elements."""
+
+    @property
+    def discretization(self) -> Discretization:
+        """Size of the elements, and number of pressure modes."""
+
 
 #: Effects that need loads along the flanks.
 FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"
@@ -194,6 +218,40 @@ def solve_body(
         parts.add(key, replace(solved, job=counts))
     kept[name] = (compliance, replace(account))
     return compliance
+
+
+def solve_bodies(
+    scene: Scene,
+    assembly: ElasticBodies,
+    clock: StageClock,
+    kept: Kept,
+    parts: Parts | None = None,
+) -> tuple[BodyCompliance, ...]:
+    """Compliances of all bodies, each from one finite-element job."""
+    return tuple(
+        solve_body(scene, name, body, job, assembly.discretization, clock, kept, parts)
+        for name, body, job in zip(assembly.names, assembly.bodies, assembly.jobs, strict=True)
+    )
+
+
+def reduced_compliances(
+    compliances: tuple[BodyCompliance, ...],
+) -> dict[str, dict[str, object]]:
+    """Arguments of the sweeps that show the errors of modes, and of elements if estimated."""
+    fewer = tuple(each.fewer_modes(REDUCED_MODES) for each in compliances)
+    found: dict[str, dict[str, object]] = {"modes": {"compliances": fewer}}
+    if any(each.fe_error is not None for each in compliances):
+        found["elements"] = {"compliances": tuple(each.with_fe_error(1.0) for each in compliances)}
+    return found
+
+
+def account_errors_of_elements(
+    clock: StageClock, names: Sequence[str], compliances: Sequence[BodyCompliance]
+) -> None:
+    """Count the estimated errors of elements, which their stage includes, to the estimate."""
+    for name, compliance in zip(names, compliances, strict=True):
+        clock.account("estimate").bytes += held_bytes(compliance.fe_error)
+        clock.move(compliance.job.seconds, elements_stage(name), "estimate")
 
 
 def prism_of(body: Body, scene: Scene) -> Prism:

@@ -200,10 +200,10 @@ class Mechanism(Protocol[A, C, S]):
     def build(
         self,
         scene: Scene,
-        discretization: Discretization | None,
-        account: Account,
+        discretization: Discretization | None = None,
         parts: Parts | None = None,
         *,
+        account: Account | None = None,
         modified_elements: bool = False,
     ) -> A:
         """Assemble the bodies without solving elements; a SceneError names an impossible input.

@@ -55,7 +55,7 @@ def prepare(scene: Scene, parts: Parts) -> None:
     """
     mechanism = mechanism_of(scene)
     clock = StageClock(None, mechanism.body_names, mechanism.sweeps(scene), {})
-    built = mechanism.build(scene, None, clock.account("bodies"), parts)
+    built = mechanism.build(scene, None, parts, account=clock.account("bodies"))
     if mechanism.no_flanks_reason is None:  # the other drives reuse nothing
         mechanism.compliances(scene, built, clock, {}, parts)
 
@@ -96,7 +96,7 @@ def run_once(
     mechanism, earlier = mechanism_of(scene), earlier or Earlier()
     clock = StageClock(progress, mechanism.body_names, mechanism.sweeps(scene), earlier.stages)
     with clock.stage("bodies") as account:
-        built = mechanism.build(scene, discretization, account, earlier.parts)
+        built = mechanism.build(scene, discretization, earlier.parts, account=account)
         by_geometry = require_premises(scene, mechanism.broken_by_geometry(built))
         account.bytes += held_bytes(built)
     predicted = beside_plan(mechanism.work(scene, built), plan)

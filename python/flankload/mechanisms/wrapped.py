@@ -189,10 +189,10 @@ class WrappedMechanism(ABC, Generic[A, S]):
     def build(
         self,
         scene: Scene,
-        discretization: Discretization | None,
-        account: Account,
+        discretization: Discretization | None = None,
         parts: Parts | None = None,
         *,
+        account: Account | None = None,
         modified_elements: bool = False,
     ) -> A:
         """Assemble wheel and strand; nothing is reused."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from flankload.analysis.estimate import MOST_SWEEPS
+from flankload.cost import Account
 from flankload.mechanisms.flank_pair import body_files as files
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
 from flankload.mechanisms.flank_pair.data_sheet import data_sheet
@@ -16,15 +17,9 @@ from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
 from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.mechanisms.flank_pair.premises import broken_by_geometry, broken_by_load
-from flankload.mechanisms.flank_pair.stages import (
-    Compliances,
-    compliances_of,
-    expanded_pair,
-    with_compliance_period,
-)
+from flankload.mechanisms.flank_pair.stages import Compliances, compliances_of
 from flankload.mechanisms.flank_pair.states import (
     FlankStates,
-    continued_states,
     error_estimates,
     flank_states,
     incomplete_estimate_notes,
@@ -36,11 +31,9 @@ from flankload.pairing.body_pair import BodyPair
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from flankload.cost import Account
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Mechanism, States
+    from flankload.mechanisms.protocol import Mechanism
     from flankload.mechanisms.reuse import Parts
-    from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.result import Result
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
@@ -55,15 +48,15 @@ class FlankPair:
     def build(
         self,
         scene: Scene,
-        discretization: Discretization | None,
-        account: Account,
+        discretization: Discretization | None = None,
         parts: Parts | None = None,
         *,
+        account: Account | None = None,
         modified_elements: bool = False,
     ) -> BodyPair:
         """Assemble both bodies."""
         pair = build_bodies(scene, discretization, parts=parts, modified_elements=modified_elements)
-        return with_flank_distance(scene, pair, account)
+        return with_flank_distance(scene, pair, account or Account())
 
     broken_by_geometry = staticmethod(broken_by_geometry)
     work = staticmethod(predicted_work)
@@ -72,33 +65,8 @@ class FlankPair:
         """Number of sweeps: states, tangents, and those of the estimate."""
         return 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
 
-    def compliances(
-        self,
-        scene: Scene,
-        assembly: BodyPair,
-        clock: StageClock,
-        kept: Kept,
-        parts: Parts | None = None,
-    ) -> tuple[BodyPair, Compliances]:
-        """Solve the elements of both bodies; return also the pair with period and expansion."""
-        found = compliances_of(scene, assembly, clock, kept, parts)
-        return expanded_pair(with_compliance_period(scene, assembly, found), found)
-
-    def states(
-        self,
-        scene: Scene,
-        assembly: BodyPair,
-        compliances: Compliances,
-        clock: StageClock,
-        similar: States | None = None,
-        *,
-        unloaded: bool = True,
-    ) -> tuple[BodyPair, FlankStates]:
-        """Sweep all positions and torques, or continue those of a similar scene."""
-        if similar is None:
-            return flank_states(scene, assembly, compliances, clock, unloaded=unloaded)
-        assert isinstance(similar, FlankStates)
-        return continued_states(scene, assembly, compliances, clock, similar)
+    compliances = staticmethod(compliances_of)
+    states = staticmethod(flank_states)
 
     def broken_by_load(
         self, scene: Scene, assembly: BodyPair, states: FlankStates, number: int

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flankload.analysis.period_error import ALIKE, teeth_until_alike
 from flankload.contact.flank_contact import FlankContact
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.mechanisms.elements import solve_body
+from flankload.mechanisms.elements import solve_bodies
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.expansion import expanded, expanded_slices
@@ -27,13 +27,10 @@ FINITE_STEPS = 10
 
 def compliances_of(
     scene: Scene, pair: BodyPair, clock: StageClock, kept: Kept, parts: Parts | None = None
-) -> Compliances:
-    """Solve one finite-element job for each elastic body without imported compliance."""
-    one, two = (
-        solve_body(scene, name, body, job, pair.discretization, clock, kept, parts)
-        for name, body, job in zip(pair.names, pair.bodies, pair.jobs, strict=True)
-    )
-    return one, two
+) -> tuple[BodyPair, Compliances]:
+    """Solve the elements of both bodies; return also the pair with period and expansion."""
+    one, two = solve_bodies(scene, pair, clock, kept, parts)
+    return expanded_pair(with_compliance_period(scene, pair, (one, two)), (one, two))
 
 
 def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliances) -> BodyPair:

@@ -23,13 +23,13 @@ from flankload.contact.status import on_corner
 from flankload.contact.sweep import known_contacts, sweep
 from flankload.cost import held_bytes
 from flankload.errors import ContactError
+from flankload.mechanisms.elements import account_errors_of_elements, reduced_compliances
 from flankload.mechanisms.flank_pair.premises import blame_load
 from flankload.mechanisms.flank_pair.stages import contact_of
-from flankload.mechanisms.stage_clock import elements_stage
 from flankload.result.geometry import pair_geometry
 from flankload.result.position_order import order_of
 from flankload.scene.discretization import position_tolerance
-from flankload.scene.steps import REDUCED_DEGREES, REDUCED_MODES
+from flankload.scene.steps import REDUCED_DEGREES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from flankload.contact.flank_contact import FlankContact
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
+    from flankload.mechanisms.protocol import States
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
@@ -80,16 +81,22 @@ def flank_states(
     pair: BodyPair,
     compliances: Compliances,
     clock: StageClock,
+    similar: States | None = None,
     *,
     unloaded: bool = True,
 ) -> tuple[BodyPair, FlankStates]:
     """Sweep a flank pair under all torques; return also the pair at all positions.
+
+    The states of a `similar` pair are continued, with its positions and without tangents.
 
     Raises
     ------
     ContactError
         If a position has no state; PremiseError if a part of the torque violates a premise.
     """
+    if similar is not None:
+        assert isinstance(similar, FlankStates)
+        return _continued_states(scene, pair, compliances, clock, similar)
     contact = contact_of(scene, pair, compliances)
     with clock.stage("sweep") as account:
         run = partial(sweep, contact, torques_Nmm=scene.torques_Nmm, account=account)
@@ -116,7 +123,7 @@ def flank_states(
     return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, contact)
 
 
-def continued_states(
+def _continued_states(
     scene: Scene, pair: BodyPair, compliances: Compliances, clock: StageClock, similar: FlankStates
 ) -> tuple[BodyPair, FlankStates]:
     """As `flank_states`, continued from those of a slightly different pair; no tangents."""
@@ -218,9 +225,7 @@ def error_estimates(
             )
             for t, estimate in zip(loaded, estimated, strict=True):
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
-    for name, compliance in zip(pair.names, compliances, strict=True):
-        account.bytes += held_bytes(compliance.fe_error)
-        clock.move(compliance.job.seconds, elements_stage(name), "estimate")
+    account_errors_of_elements(clock, pair.names, compliances)
     return estimates
 
 
@@ -257,11 +262,7 @@ def _weights(pair: BodyPair) -> NDArray[np.float64]:
 
 def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
     """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
-    found: dict[str, dict[str, object]] = {
-        "modes": {"compliances": tuple(each.fewer_modes(REDUCED_MODES) for each in compliances)}
-    }
-    if any(each.fe_error is not None for each in compliances):
-        found["elements"] = {"compliances": tuple(each.with_fe_error(1.0) for each in compliances)}
+    found = reduced_compliances(compliances)
     if pair.slices is not None:
         fewer = tuple(each.fewer_axial_modes(REDUCED_DEGREES) for each in compliances)
         found |= {"axial": {"compliances": fewer}, "slices": {"slices": pair.slices.coarser()}}

@@ -29,6 +29,7 @@ from flankload.scene.usual import question_notes
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies import Body
+    from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.reuse import Parts
     from flankload.scene import Scene
@@ -123,7 +124,12 @@ class StageAssembly:
 
 
 def assemble(
-    scene: Scene, discretization: Discretization | None = None, parts: Parts | None = None
+    scene: Scene,
+    discretization: Discretization | None = None,
+    parts: Parts | None = None,
+    *,
+    account: Account | None = None,
+    modified_elements: bool = False,
 ) -> StageAssembly:
     """Bodies, meshes and positions of a stage.
 
@@ -136,7 +142,9 @@ def assemble(
     assert stage is not None
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
     try:
-        sun, planet, ring = bodies_of(_held(scene), discretization, NAMES, parts=parts)
+        sun, planet, ring = bodies_of(
+            _held(scene), discretization, NAMES, parts=parts, modified_elements=modified_elements
+        )
         bodies = sun, planet, ring
         if not effects.tip_contact:
             bodies = without_ends(sun), without_ends(planet), without_ends(ring)

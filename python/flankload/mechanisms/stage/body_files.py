@@ -1,4 +1,4 @@
-"""Meshes and compliances of the bodies of a stage, for files."""
+"""Meshes, compliances and fields of the bodies of a stage, for files."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from flankload.mechanisms.flank_pair.body_files import files_of_compliances, fil
 from flankload.mechanisms.stage.assembly import NAMES, assemble
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
-    from flankload.mechanisms.protocol import ComplianceFile, MeshFile
+    from flankload.mechanisms.protocol import ComplianceFile, FieldsOfBody, MeshFile
     from flankload.scene import Scene
 
 
@@ -27,3 +27,8 @@ def mesh_files(scene: Scene) -> Iterator[MeshFile]:
 def compliance_files(scene: Scene) -> Iterator[ComplianceFile]:
     """Compliances of the bodies."""
     yield from files_of_compliances(scene, NAMES, assemble(scene).bodies)
+
+
+def fields_of_bodies(scene: Scene) -> Mapping[str, FieldsOfBody | str]:
+    """No fields: the reason."""
+    return dict.fromkeys(NAMES, "this version has no fields of planetary stages")

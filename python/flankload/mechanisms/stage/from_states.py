@@ -54,16 +54,29 @@ class MeshResults(Sequence[Result]):
         return mesh_result(*self._made, which)
 
 
-def stage_result(
+def stage_results(
     scene: Scene,
     assembly: StageAssembly,
     compliances: Compliances,
     states: StageStates,
-    number: int,
+    estimates: Sequence[Mapping[str, object] | None],
+) -> tuple[Result, ...]:
+    """Results, one per torque."""
+    return tuple(
+        _result(scene, assembly, compliances, found, estimate)
+        for found, estimate in zip(states.found, estimates, strict=True)
+    )
+
+
+def _result(
+    scene: Scene,
+    assembly: StageAssembly,
+    compliances: Compliances,
+    found: StageSweep,
     estimate: Mapping[str, object] | None,
 ) -> Result:
-    """Result of the torque with this index."""
-    found, pairing, width = states.found[number], assembly.pairing, assembly.face_width_mm
+    """Result of a torque."""
+    pairing, width = assembly.pairing, assembly.face_width_mm
     planets, sun = found.planets, assembly.bodies[0]
     counters = planets.counters.sum(axis=0, dtype=np.int64).tolist()
     with np.errstate(divide="ignore"):

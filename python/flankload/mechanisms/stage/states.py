@@ -7,12 +7,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from flankload.analysis.estimate import estimate_errors
+from flankload.analysis.estimate import MOST_SWEEPS, estimate_errors
 from flankload.analysis.lumped_error import measured_error
 from flankload.contact.stage_contact import StageContact, StageSweep, sweep_stage
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.mechanisms.elements import solve_body
+from flankload.mechanisms.elements import (
+    account_errors_of_elements,
+    reduced_compliances,
+    solve_bodies,
+)
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly
 from flankload.mechanisms.stage_clock import elements_stage
 
@@ -20,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.contact.sweep import Sweep
+    from flankload.mechanisms.protocol import Counted, States
     from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
@@ -45,21 +50,45 @@ class StageStates:
     known: ClassVar[None] = None
 
 
+def counted_work(scene: Scene, assembly: StageAssembly) -> Counted:
+    """Number of states; the work of the elements and of the estimate is not predicted."""
+    elements: Counted = {
+        elements_stage(name): {}
+        for name, job in zip(NAMES, assembly.jobs, strict=True)
+        if job.elastic
+    }
+    states = {"states": assembly.position_rad.size * len(scene.torques_Nm)}
+    estimate: Counted = {"estimate": {}} if scene.accuracy.estimate else {}
+    return {"bodies": {}, **elements, "sweep": states, **estimate}
+
+
+def stage_sweeps(scene: Scene) -> int:
+    """Number of sweeps: states, and those of the estimate."""
+    return 1 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
+
+
 def compliances_of(
-    scene: Scene, assembly: StageAssembly, clock: StageClock, kept: Kept, parts: Parts | None
-) -> Compliances:
+    scene: Scene,
+    assembly: StageAssembly,
+    clock: StageClock,
+    kept: Kept,
+    parts: Parts | None = None,
+) -> tuple[StageAssembly, Compliances]:
     """Solve one finite-element job for each elastic body: the planets are equal."""
-    sun, planet, ring = (
-        solve_body(scene, name, body, job, assembly.discretization, clock, kept, parts)
-        for name, body, job in zip(NAMES, assembly.bodies, assembly.jobs, strict=True)
-    )
-    return sun, planet, ring
+    sun, planet, ring = solve_bodies(scene, assembly, clock, kept, parts)
+    return assembly, (sun, planet, ring)
 
 
 def stage_states(
-    scene: Scene, assembly: StageAssembly, compliances: Compliances, clock: StageClock
-) -> StageStates:
-    """Solve all positions and torques."""
+    scene: Scene,
+    assembly: StageAssembly,
+    compliances: Compliances,
+    clock: StageClock,
+    similar: States | None = None,
+    *,
+    unloaded: bool = True,
+) -> tuple[StageAssembly, StageStates]:
+    """Solve all positions and torques; none is continued from similar states."""
     contact = assembly.contact(scene, compliances)
     with clock.stage("sweep") as account:
         found = sweep_stage(
@@ -70,7 +99,7 @@ def stage_states(
             progress=clock.sweep_progress("sweep"),
         )
         account.bytes += held_bytes(found)
-    return StageStates(found, contact)
+    return assembly, StageStates(found, contact)
 
 
 def error_estimates(
@@ -98,23 +127,14 @@ def error_estimates(
             )
             return tuple(one.planets for one in again)
 
-        variants: dict[str, dict[str, object]] = {
-            "modes": {"compliances": tuple(each.fewer_modes() for each in compliances)}
-        }
-        if any(each.fe_error is not None for each in compliances):
-            softer = tuple(each.with_fe_error(1.0) for each in compliances)
-            variants["elements"] = {"compliances": softer}
         estimated = estimate_errors(
             planets,
             run_again,
             compliances,
             grid if lumped else grid.coarser(),
             weights,
-            variants=variants,
+            variants=reduced_compliances(compliances),
             lumped=(lambda t: measured_error(planets[t], compliances)) if lumped else None,
         )
-    for name, compliance in zip(NAMES, compliances, strict=True):
-        account.bytes += held_bytes(compliance.fe_error)
-        if compliance.job.seconds:
-            clock.move(compliance.job.seconds, elements_stage(name), "estimate")
+    account_errors_of_elements(clock, NAMES, compliances)
     return [one.as_dict() for one in estimated]

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from flankload.cost import Account
 from flankload.mechanisms.registry import mechanism_of
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
 from flankload.scene import axial
@@ -120,7 +119,7 @@ def _of_flanks(scene: Scene) -> _Of:
     parameters = mechanism.parameters(scene)
     named: dict[str, Any] = {"flank_element_mm": parameters.element_mm}
     if scene.positions.angles_deg is None:
-        several = mechanism.build(scene, None, Account()).position_rad.size > 1
+        several = mechanism.build(scene).position_rad.size > 1
         named |= {"count": scene.positions.count} if several else {}
     rigid = scene.body_1.rigid and scene.body_2.rigid
     most = 0 if rigid else parameters.most_modes

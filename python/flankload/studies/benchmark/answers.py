@@ -13,7 +13,6 @@ import numpy as np
 from flankload.base.arguments import is_number
 from flankload.base.files import read_file
 from flankload.contact import ContactState, solve_contact, solve_contact_general
-from flankload.cost import Account
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
 from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
@@ -190,7 +189,7 @@ def _violation(state: ContactState, inputs: Mapping[str, Any]) -> float:
 def _compliance(case: Case, folder: Path) -> Value:
     """Compliance of the pressure modes of body 1 of the scene as a prism, um/kN."""
     scene = read_scene(folder / case.name / "scene.toml")
-    body = mechanism_of(scene).build(scene, DEFAULT, Account()).bodies[0]
+    body = mechanism_of(scene).build(scene, DEFAULT).bodies[0]
     inputs = case.inputs
     width, helix = inputs["face_width_mm"], radians(inputs["helix_angle_deg"])
     pitch_radius = 0.5 * inputs["module_mm"] * inputs["teeth"]

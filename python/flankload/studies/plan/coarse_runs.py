@@ -193,7 +193,7 @@ class CoarseRuns:
         """Bodies of a scene with its own discretization, and their cost."""
         if scene not in self._assemblies:
             with Account() as account:
-                built = mechanism_of(scene).build(scene, None, account, self._parts)
+                built = mechanism_of(scene).build(scene, None, self._parts, account=account)
             account.bytes = held_bytes(built)
             self._assemblies[scene] = built, account
         return self._assemblies[scene]

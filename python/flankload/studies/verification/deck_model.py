@@ -10,7 +10,6 @@ from msgspec import structs
 
 from flankload.base.rotation import turned
 from flankload.bodies import SectorMesh
-from flankload.cost import Account
 from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.scene.effects import is_spatial
@@ -217,7 +216,7 @@ def _with_coarse_elements(scene: Scene, part: float | None) -> GearMesh:
 def with_modified_elements(scene: Scene) -> GearMesh:
     """Both bodies with elements on the modified flanks."""
     mechanism = mechanism_of(scene)
-    (mesh,) = mechanism.build(scene, None, Account(), modified_elements=True).meshes
+    (mesh,) = mechanism.build(scene, modified_elements=True).meshes
     return mesh
 
 
