@@ -28,11 +28,13 @@ static double mean_gap(double z, double step)
     return (end * end * end - z * z * z) / (6 * crown * step) + slope * (z + 0.5 * step);
 }
 
-static void check(const char *procedure, int info)
+static void check(int info)
 {
+    char text[161];
     if (info == 0)
         return;
-    fprintf(stderr, "%s: info = %d\n", procedure, info);
+    flankload_status_text_c(info, sizeof text, text);
+    fprintf(stderr, "%s\n", text);
     exit(1);
 }
 
@@ -66,9 +68,9 @@ static void pack_roller(double x, double y, double r, double a, const double *ga
     const double ends[2] = {s[0], s[BREAKS - 1]};
     flankload_pack_body_(&breaks, &degree, s, c[0][0], corners, &sites, angles, early, &one, &one,
                          ends, &kernel, &smooth, block, &length, record, &info);
-    check("flankload_pack_body", info);
+    check(info);
     flankload_pack_part_(&axial_part, &six, axial, &length, record, &info);
-    check("flankload_pack_part", info);
+    check(info);
 }
 
 /* Complete elliptic integrals K and E of the parameter m, by arithmetic-geometric means. */
@@ -130,12 +132,12 @@ int main(void)
     pack_roller(lever, -radius[0], radius[0], 0.5 * PI + 0.3, gaps, one);
     pack_roller(center_distance - lever, -radius[1], radius[1], 0.5 * PI + 0.3, straight, two);
     flankload_pack_part_(&slices_part, &edge_count, edges, &length, one, &info);
-    check("flankload_pack_part", info);
+    check(info);
     flankload_sweep_(&positions, &torques, &slices, motion, &center_distance, torque, &length, one,
                      &length, two, settings, &columns, &none, control, pair_site, table, status,
                      rotation, tangent, certificate[0], counters[0], force[0], pressure[0],
                      corner[0], &info);
-    check("flankload_sweep", info);
+    check(info);
 
     for (t = 0; t < TORQUES; t++) {
         double a, b;

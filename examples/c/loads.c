@@ -15,7 +15,7 @@ int main(void)
     const int structure = FLANKLOAD_SYMMETRIC, method = FLANKLOAD_AUTO, unused = 0;
     int flanks, k, n, info, counters[5];
     double torque, axes[4], rotation, tangent, certificate[5];
-    char text[81];
+    char text[161];
 
     check_numbers();
     skip_line();
@@ -38,7 +38,8 @@ int main(void)
                         two.points, two.compliance, &n, flank, radius, gap_angle, lever, row,
                         row_2, influences, &info);
     if (info != 0) {
-        fprintf(stderr, "position refused, info = %d\n", info);
+        flankload_status_text_c(info, sizeof text, text);
+        fprintf(stderr, "%s\n", text);
         return 1;
     }
     for (k = 0; k < n; k++)

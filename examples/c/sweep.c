@@ -51,8 +51,11 @@ int main(void)
                             two.sizes, two.points, two.compliance, status, rotation, tangent,
                             torque_2, certificate, flank_force, pairs, flank, radius, gap_angle,
                             force, final_gap, &info);
-    if (info < 0)
-        fprintf(stderr, "sweep refused, info = %d\n", info);
+    if (info < 0) {
+        char text[161];
+        flankload_status_text_c(info, sizeof text, text);
+        fprintf(stderr, "%s\n", text);
+    }
     for (t = 0; t < torques && info >= 0; t++) {
         printf("torque %.3f\n", torque[t]);
         for (k = 0; k < positions; k++) {

@@ -3,7 +3,7 @@ module flankload_status
     implicit none
     private
 
-    public :: status_text, refused_argument
+    public :: status_text, before_arguments
     public :: status_solved, status_ill_conditioned, status_degenerate, status_not_unique
     public :: no_contact_state, pivot_limit, singular_contact, invalid_input, invalid_scale, &
         & negative_force, out_of_range
@@ -33,8 +33,8 @@ module flankload_status
     ! near a kink, a rounding or an end; cut end of a flank that would touch
     integer, parameter :: site_off_corners = 0, site_touches = -1, site_not_parabolic = -2
     integer, parameter :: site_end_would_touch = -3
-    !> Offset of the status of an invalid argument: argument i has status -100 - i in procedures in
-    !> which -1 … -7 have other meanings.
+    !> Offset of the status of an invalid argument of the flat interface: that of argument i is
+    !> -100 - i.
     integer, parameter :: before_arguments = -100
 
     !> A status code and its text.
@@ -89,16 +89,6 @@ module flankload_status
         & 'several meshes or motions exclude slices, friction, finite forces, mixed models')]
 
 contains
-
-    !> Return the status -100 - i of the first invalid argument i, or 0 if all arguments are valid.
-    pure function refused_argument(valid) result(info)
-        !> Validity of each argument, in the order of the arguments
-        logical, intent(in) :: valid(:)
-        integer :: info
-
-        info = 0
-        if (.not. all(valid)) info = before_arguments - findloc(valid, .false., dim=1)
-    end function refused_argument
 
     !> Return the text of a status.
     pure function status_text(code) result(text)

@@ -74,7 +74,8 @@ void flankload_double_vector_(const int *n, const double *vector, double *double
 /* The same for integers: at least two, all negative. */
 void flankload_integer_vector_(const int *n, const int *vector, int *doubled, int *info);
 
-/* Text of a status, in at most `size` characters, null character included; 81 are sufficient. */
+/* Text of a status, in at most `size` characters, null character included; 161 are sufficient. After
+   -100 - i: which argument the last call of this thread refused, what it expected and found. */
 void flankload_status_text_c(int code, int size, char *text);
 
 /* Pairs, gap angles, levers, influence coefficients of one position from points, compliances. */

@@ -4,14 +4,14 @@
 !>
 !> info = 0: done. info > 0: number of reals that the record needs, n_record is too small (n_record
 !> = 0 only asks for this number). Each part added by flankload_pack_part needs as many additional
-!> reals as it has values. info = -i: argument i is invalid.
+!> reals as it has values. info = -100 - i: argument i is invalid.
 subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, n_sites, &
         & site_angles, deviations, n_modes, n_blocks, mode_range, kernel, smooth, block, &
         & n_record, record, info)
-    use flankload_body_record, only: are_valid, body_mark, counts_type, part_block, &
-        & part_breaks, part_coefficients, part_corners, part_deviations, part_kernel, &
-        & part_mode_range, part_site_angles, part_smooth, record_length, start_record, write_part
+    use flankload_error, only: error_type
     use flankload_given_arrays, only: given_integers, given_reals
+    use flankload_record_packing, only: new_body_record, pack_compliance, pack_curve, pack_sites
+    use flankload_refusal, only: missing_array, refusal
     implicit none
     !> Flank curve: breaks of its arc length [mm], ascending; coefficients (power, x|y, interval);
     !> corners (1 at a sharp corner, else 0; 2 at both ends of a section of a longer curve, where
@@ -41,52 +41,31 @@ subroutine flankload_pack_body(n_breaks, degree, breaks, coefficients, corners, 
     !> Status, see above
     integer, intent(out) :: info
 
-    type(counts_type) :: n
-    integer :: missing
+    character(len=*), parameter :: signature = 'flankload_pack_body n_breaks degree breaks &
+        &coefficients corners n_sites site_angles deviations n_modes n_blocks mode_range kernel &
+        &smooth block n_record record'
+    double precision, allocatable :: packed(:)
+    type(error_type), allocatable :: error
 
-    info = -findloc([.true., .true., given_reals(breaks, size(breaks)), &
+    info = missing_array(signature, [.true., .true., given_reals(breaks, size(breaks)), &
         & given_reals(coefficients, size(coefficients)), given_integers(corners, size(corners)), &
         & .true., given_reals(site_angles, size(site_angles)), &
         & given_reals(deviations, size(deviations)), .true., .true., &
         & given_reals(mode_range, size(mode_range)), .true., given_reals(smooth, size(smooth)), &
         & given_integers(block, size(block)), .true., &
-        & given_reals(record, size(record))], .false., dim=1)
+        & given_reals(record, size(record))])
     if (info < 0) return
-    n = counts_type(breaks=n_breaks, powers=degree + 1, sites=n_sites, modes=n_modes, &
-        & blocks=n_blocks)
-    info = 0
-    ! The record is too long for default integers.
-    if (.not. record_length(body_mark, n) < huge(info)) info = -15
-    if (n_blocks < 1) info = -10
-    if (n_modes < 1) info = -9
-    if (n_sites < 1) info = -6
-    if (degree < 0) info = -2
-    if (n_breaks < 2) info = -1
-    if (info < 0) return
-    if (.not. are_valid(part_block, n, dble(reshape(block, [n_sites**2])))) info = -14
-    if (.not. are_valid(part_smooth, n, reshape(smooth, [size(smooth)]))) info = -13
-    if (.not. are_valid(part_kernel, n, [kernel])) info = -12
-    if (.not. are_valid(part_mode_range, n, mode_range)) info = -11
-    if (.not. are_valid(part_deviations, n, deviations)) info = -8
-    if (.not. are_valid(part_site_angles, n, site_angles)) info = -7
-    if (.not. are_valid(part_corners, n, dble(corners))) info = -5
-    if (.not. are_valid(part_coefficients, n, reshape(coefficients, [size(coefficients)]))) then
-        info = -4
+    call new_body_record(packed)
+    call pack_curve(breaks, coefficients, corners, packed, error)
+    call pack_sites(site_angles, deviations, packed, error)
+    call pack_compliance(mode_range, kernel, smooth, block, packed, error)
+    if (allocated(error)) then
+        info = refusal(signature, error)
+    else if (size(packed) > n_record) then
+        info = size(packed)
+    else
+        record(:size(packed)) = packed
     end if
-    if (.not. are_valid(part_breaks, n, breaks)) info = -3
-    if (info < 0) return
-    if (record_length(body_mark, n) > n_record) info = nint(record_length(body_mark, n))
-    if (info > 0) return
-    call start_record(body_mark, n, record)
-    call write_part(part_breaks, n_breaks, breaks, record, missing)
-    call write_part(part_coefficients, size(coefficients), coefficients, record, missing)
-    call write_part(part_corners, n_breaks, dble(corners), record, missing)
-    call write_part(part_site_angles, n_sites, site_angles, record, missing)
-    call write_part(part_deviations, n_sites, deviations, record, missing)
-    call write_part(part_mode_range, 2, mode_range, record, missing)
-    call write_part(part_kernel, 1, [kernel], record, missing)
-    call write_part(part_smooth, size(smooth), smooth, record, missing)
-    call write_part(part_block, size(block), dble(block), record, missing)
 end subroutine flankload_pack_body
 
 !> Add an optional part to the record of a body or of a mesh. Matrices are stored column by column,
@@ -167,11 +146,13 @@ end subroutine flankload_pack_body
 !> flankload_sweep or flankload_sweep_continued, which have no record of a mesh.
 !>
 !> info = 0: done. info > 0: number of reals that the record needs, n_record is too small and the
-!> record is unchanged. info = -i: argument i is invalid.
+!> record is unchanged. info = -100 - i: argument i is invalid.
 subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
-    use flankload_body_record, only: are_valid, belongs_to, body_mark, counts_in, counts_type, &
-        & fits, is_record, last_optional, mesh_mark, place_in, write_part
+    use flankload_body_record, only: write_part
+    use flankload_error, only: error_type
     use flankload_given_arrays, only: given_reals
+    use flankload_record_packing, only: check_part
+    use flankload_refusal, only: missing_array, refusal
     implicit none
     !> Number of the part
     integer, intent(in) :: part
@@ -185,28 +166,19 @@ subroutine flankload_pack_part(part, n_values, values, n_record, record, info)
     !> Status, see above
     integer, intent(out) :: info
 
-    type(counts_type) :: n
-    integer :: place(2), missing
+    character(len=*), parameter :: signature = 'flankload_pack_part part n_values values n_record &
+        &record'
+    integer :: missing
+    type(error_type), allocatable :: error
 
-    info = -findloc([.true., .true., given_reals(values, size(values)), .true., &
-        & given_reals(record, size(record))], .false., dim=1)
+    info = missing_array(signature, [.true., .true., given_reals(values, size(values)), .true., &
+        & given_reals(record, size(record))])
     if (info < 0) return
-    info = 0
-    if (part < 1 .or. part > last_optional) info = -1
-    if (.not. (is_record(body_mark, record) .or. is_record(mesh_mark, record))) info = -5
-    if (info < 0) return
-    if (.not. belongs_to(record(1), part)) info = -1
-    if (info < 0) return
-    n = counts_in(record)
-    place = place_in(record, part)
-    if (.not. fits(part, n, n_values)) then
-        info = -2
-    else if (place(2) >= place(1) .and. place(2) - place(1) + 1 /= n_values) then
-        info = -2
-    else if (.not. are_valid(part, n, values)) then
-        info = -3
+    call check_part(part, values, record, error)
+    if (allocated(error)) then
+        info = refusal(signature, error)
+        return
     end if
-    if (info < 0) return
     call write_part(part, n_values, values, record, missing)
     if (missing > 0) info = n_record + missing
 end subroutine flankload_pack_part

@@ -4,7 +4,9 @@
 !> (18).
 subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, compliance, &
         & symmetric, elastic, info)
+    use flankload_error, only: error_type, expect
     use flankload_given_arrays, only: given_reals
+    use flankload_refusal, only: missing_array, refusal
     use flankload_row_scaling, only: scale_rows, form_of, matrix_form
     implicit none
     !> Number of pairs
@@ -21,19 +23,25 @@ subroutine flankload_normal_compliance(n, flexibility, transposed, row_scale, co
     integer, intent(out) :: symmetric
     !> 1 if symmetric and no single entry contradicts positive definiteness, else 0
     integer, intent(out) :: elastic
-    !> 0: done, -i: argument i is invalid
+    !> 0: done, -100 - i: argument i is invalid
     integer, intent(out) :: info
 
+    character(len=*), parameter :: signature = 'flankload_normal_compliance n flexibility &
+        &transposed row_scale compliance symmetric elastic'
     type(matrix_form) :: form
+    type(error_type), allocatable :: error
 
-    info = -findloc([.true., given_reals(flexibility, size(flexibility)), .true., &
+    info = missing_array(signature, [.true., given_reals(flexibility, size(flexibility)), .true., &
         & given_reals(row_scale, size(row_scale)), &
-        & given_reals(compliance, size(compliance))], .false., dim=1)
+        & given_reals(compliance, size(compliance))])
     if (info < 0) return
     symmetric = 0
     elastic = 0
-    info = merge(-1, 0, n < 0)
-    if (info < 0) return
+    call expect(error, n >= 0, 'n', '0 or more', n)
+    if (allocated(error)) then
+        info = refusal(signature, error)
+        return
+    end if
     call scale_rows(flexibility, transposed == 1, row_scale, compliance)
     form = form_of(compliance)
     symmetric = merge(1, 0, form%symmetric)
@@ -43,7 +51,9 @@ end subroutine flankload_normal_compliance
 !> Check the form of a compliance matrix in one pass: the structure that flankload_solve_contact
 !> needs to know, and whether there is NaN or infinity in columns that it does not read.
 subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, finite, info)
+    use flankload_error, only: error_type, expect
     use flankload_given_arrays, only: given_reals
+    use flankload_refusal, only: missing_array, refusal
     use flankload_row_scaling, only: form_of, matrix_form
     implicit none
     !> Number of pairs
@@ -58,19 +68,25 @@ subroutine flankload_matrix_form(n, compliance, symmetric, elastic, mirrored, fi
     integer, intent(out) :: mirrored
     !> 1 if all entries are finite, else 0
     integer, intent(out) :: finite
-    !> 0: done, -i: argument i is invalid
+    !> 0: done, -100 - i: argument i is invalid
     integer, intent(out) :: info
 
+    character(len=*), parameter :: signature = 'flankload_matrix_form n compliance symmetric &
+        &elastic mirrored finite'
     type(matrix_form) :: form
+    type(error_type), allocatable :: error
 
-    info = -findloc([.true., given_reals(compliance, size(compliance))], .false., dim=1)
+    info = missing_array(signature, [.true., given_reals(compliance, size(compliance))])
     if (info < 0) return
     symmetric = 0
     elastic = 0
     mirrored = 0
     finite = 0
-    info = merge(-1, 0, n < 0)
-    if (info < 0) return
+    call expect(error, n >= 0, 'n', '0 or more', n)
+    if (allocated(error)) then
+        info = refusal(signature, error)
+        return
+    end if
     form = form_of(compliance)
     symmetric = merge(1, 0, form%symmetric)
     elastic = merge(1, 0, form%elastic)
@@ -86,8 +102,8 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     use flankload_contact_loop, only: solve_contact_problem
     use flankload_contact_result, only: contact_result, blank, flat_status, unpack_result
     use flankload_given_arrays, only: given_integers, given_reals
-    use flankload_status, only: refused_argument
-    use flankload_error, only: error_type
+    use flankload_refusal, only: missing_array, refusal
+    use flankload_error, only: error_type, expect, number_text
     implicit none
     !> Number of pairs
     integer, intent(in) :: n
@@ -134,22 +150,31 @@ subroutine flankload_solve_contact(n, n_motions, n_warm, compliance, normal_gaps
     !> invalid (entries that are not finite: -4)
     integer, intent(out) :: info
 
+    character(len=*), parameter :: signature = 'flankload_solve_contact n n_motions n_warm &
+        &compliance normal_gaps motions load_rows loads structure method warm_pairs forces gaps &
+        &motion tangent active counters certificate'
     type(contact_result) :: result
     type(error_type), allocatable :: error
     integer :: n_threads
 
-    info = refused_argument([.true., .true., .true., given_reals(compliance, size(compliance)), &
-        & given_reals(normal_gaps, size(normal_gaps)), given_reals(motions, size(motions)), &
-        & given_reals(load_rows, size(load_rows)), given_reals(loads, size(loads)), .true., &
-        & .true., given_integers(warm_pairs, size(warm_pairs)), given_reals(forces, size(forces)), &
-        & given_reals(gaps, size(gaps)), given_reals(motion, size(motion)), &
-        & given_reals(tangent, size(tangent)), given_integers(active, size(active)), &
-        & given_integers(counters, size(counters)), given_reals(certificate, size(certificate))])
+    info = missing_array(signature, [.true., .true., .true., given_reals(compliance, &
+        & size(compliance)), given_reals(normal_gaps, size(normal_gaps)), given_reals(motions, &
+        & size(motions)), given_reals(load_rows, size(load_rows)), given_reals(loads, &
+        & size(loads)), .true., .true., given_integers(warm_pairs, size(warm_pairs)), &
+        & given_reals(forces, size(forces)), given_reals(gaps, size(gaps)), &
+        & given_reals(motion, size(motion)), given_reals(tangent, size(tangent)), &
+        & given_integers(active, size(active)), given_integers(counters, size(counters)), &
+        & given_reals(certificate, size(certificate))])
     if (info < 0) return
-    info = refused_argument([n >= 1, n_motions >= 1, n_warm >= 0, .true., .true., .true., &
-        & .true., .true., structure >= 0 .and. structure <= 3, method >= 0 .and. method <= 7, &
-        & all(warm_pairs >= 1 .and. warm_pairs <= n)])
-    if (info < 0) then
+    call expect(error, n >= 1, 'n', '1 or more', n)
+    call expect(error, n_motions >= 1, 'n_motions', '1 or more', n_motions)
+    call expect(error, n_warm >= 0, 'n_warm', '0 or more', n_warm)
+    call expect(error, structure >= 0 .and. structure <= 3, 'structure', '0 to 3', structure)
+    call expect(error, method >= 0 .and. method <= 7, 'method', '0 to 7', method)
+    call expect(error, all(warm_pairs >= 1 .and. warm_pairs <= n), 'warm_pairs', &
+        & 'numbers of pairs, 1 to '//number_text(n))
+    if (allocated(error)) then
+        info = refusal(signature, error)
         call blank(result, max(n, 0), max(n_motions, 0))
     else
         ! One BLAS thread, for the calling thread alone: more threads cost many times more than they

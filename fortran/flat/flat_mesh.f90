@@ -5,9 +5,10 @@
 !> The parts sides, friction, slices and height are added by flankload_pack_part. info as in
 !> flankload_pack_body.
 subroutine flankload_pack_mesh(n_sites, axes, twist, settings, n_record, record, info)
-    use flankload_body_record, only: are_valid, counts_type, mesh_mark, part_mesh, record_length, &
-        & start_record, write_part
+    use flankload_error, only: error_type
     use flankload_given_arrays, only: given_reals
+    use flankload_record_packing, only: pack_mesh
+    use flankload_refusal, only: missing_array, refusal
     implicit none
     !> Number of sites, as many as either body has
     integer, intent(in) :: n_sites
@@ -23,27 +24,20 @@ subroutine flankload_pack_mesh(n_sites, axes, twist, settings, n_record, record,
     !> Status, see above
     integer, intent(out) :: info
 
-    type(counts_type) :: n
-    integer :: missing
-    double precision :: values(10)
+    character(len=*), parameter :: signature = 'flankload_pack_mesh n_sites axes twist settings &
+        &n_record record'
+    double precision, allocatable :: packed(:)
+    type(error_type), allocatable :: error
 
-    info = -findloc([.true., given_reals(axes, size(axes)), .true., &
-        & given_reals(settings, size(settings)), .true., given_reals(record, size(record))], &
-        & .false., dim=1)
+    info = missing_array(signature, [.true., given_reals(axes, size(axes)), .true., &
+        & given_reals(settings, size(settings)), .true., given_reals(record, size(record))])
     if (info < 0) return
-    n = counts_type(sites=n_sites)
-    values = [reshape(axes, [4]), twist, settings]
-    if (.not. are_valid(part_mesh, n, [values(:4), 0.0d0, 1.0d0, 1.0d0, 1.0d0, 0.0d0, 0.0d0])) then
-        info = -2
-    else if (.not. are_valid(part_mesh, n, [values(:5), 1.0d0, 1.0d0, 1.0d0, 0.0d0, 0.0d0])) then
-        info = -3
-    else if (.not. are_valid(part_mesh, n, values)) then
-        info = -4
+    call pack_mesh(n_sites, axes, twist, settings, packed, error)
+    if (allocated(error)) then
+        info = refusal(signature, error)
+    else if (size(packed) > n_record) then
+        info = size(packed)
+    else
+        record(:size(packed)) = packed
     end if
-    if (n_sites < 1) info = -1
-    if (info < 0) return
-    if (record_length(mesh_mark, n) > n_record) info = nint(record_length(mesh_mark, n))
-    if (info > 0) return
-    call start_record(mesh_mark, n, record)
-    call write_part(part_mesh, size(values), values, record, missing)
 end subroutine flankload_pack_mesh

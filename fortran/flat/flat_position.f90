@@ -10,17 +10,18 @@
 !> the points of the finer flank make K singular. The results form a contact problem with K, g0 =
 !> lever*gap_angle, B = lever, R = torque_lever and the torque as load.
 !>
-!> info = 0: done, also with n_pairs = 0 if no circle crosses two facing flanks. info = -i: argument
-!> i is invalid; for the points: two coincide, their distance from O1 does not increase or decrease
-!> steadily, or a normal passes through O1. info > 0: number of pairs, max_pairs is too small, and
-!> no other result is returned.
+!> info = 0: done, also with n_pairs = 0 if no circle crosses two facing flanks. info = -100 - i:
+!> argument i is invalid; for the points: two coincide, their distance from O1 does not increase or
+!> decrease steadily, or a normal passes through O1. info > 0: number of pairs, max_pairs is too
+!> small, and no other result is returned.
 subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_pairs, turn, &
         & axis_1, axis_2, sizes_1, points_1, compliance_1, sizes_2, points_2, compliance_2, &
         & n_pairs, flank, radius, gap_angle, lever, torque_lever, torque_lever_2, compliance, info)
-    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+    use flankload_error, only: error_type, expect
     use flankload_given_arrays, only: given_integers, given_reals
-    use flankload_nodal_pairs, only: nodal_body, nodal_pairs_type, find_nodal_pairs, &
-        & new_nodal_body, nodal_influences
+    use flankload_refusal, only: missing_array, refusal
+    use flankload_nodal_pairs, only: expect_axes, expect_points, find_nodal_pairs, &
+        & nodal_body, nodal_pairs_type, new_nodal_body, nodal_influences
     implicit none
     !> Number of flanks of each body, and numbers of points on all flanks of each body
     integer, intent(in) :: n_flanks
@@ -63,12 +64,18 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
     !> Status, see above
     integer, intent(out) :: info
 
+    character(len=*), parameter :: signature = 'flankload_position n_flanks n_points_1 n_points_2 &
+        &n_circles max_pairs turn axis_1 axis_2 sizes_1 points_1 compliance_1 sizes_2 points_2 &
+        &compliance_2 n_pairs flank radius gap_angle lever torque_lever torque_lever_2 compliance'
+    character(len=*), parameter :: radial = &
+        & 'points strictly outwards or inwards about O1, normals beside it'
     integer :: n, bad
+    type(error_type), allocatable :: error
     double precision, allocatable :: matrix(:, :)
     type(nodal_body) :: body_1, body_2
     type(nodal_pairs_type) :: pairs
 
-    info = -findloc([.true., .true., .true., .true., .true., .true., &
+    info = missing_array(signature, [.true., .true., .true., .true., .true., .true., &
         & given_reals(axis_1, size(axis_1)), given_reals(axis_2, size(axis_2)), &
         & given_integers(sizes_1, size(sizes_1)), given_reals(points_1, size(points_1)), &
         & given_reals(compliance_1, size(compliance_1)), given_integers(sizes_2, size(sizes_2)), &
@@ -77,7 +84,7 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
         & given_reals(gap_angle, size(gap_angle)), given_reals(lever, size(lever)), &
         & given_reals(torque_lever, size(torque_lever)), &
         & given_reals(torque_lever_2, size(torque_lever_2)), &
-        & given_reals(compliance, size(compliance))], .false., dim=1)
+        & given_reals(compliance, size(compliance))])
     if (info < 0) return
     n_pairs = 0
     flank = 0
@@ -87,20 +94,20 @@ subroutine flankload_position(n_flanks, n_points_1, n_points_2, n_circles, max_p
     torque_lever = 0.0d0
     torque_lever_2 = 0.0d0
     compliance = 0.0d0
-    info = -findloc([n_flanks >= 1, n_points_1 >= 2, n_points_2 >= 2, n_circles >= 0, &
-        & max_pairs >= 1, abs(turn) == 1, all(ieee_is_finite(axis_1)), &
-        & all(ieee_is_finite(axis_2)), &
-        & all(sizes_1 >= 2) .and. sum(sizes_1) == n_points_1, &
-        & all(ieee_is_finite(points_1)), all(ieee_is_finite(compliance_1)), &
-        & all(sizes_2 >= 2) .and. sum(sizes_2) == n_points_2, &
-        & all(ieee_is_finite(points_2)), all(ieee_is_finite(compliance_2))], &
-        & .false., dim=1)
-    if (info < 0) return
+    call expect(error, max_pairs >= 1, 'max_pairs', '1 or more', max_pairs)
+    call expect_axes(error, axis_1, axis_2, turn, n_circles)
+    call expect_points(error, '1', sizes_1, points_1, compliance_1)
+    call expect_points(error, '2', sizes_2, points_2, compliance_2)
+    if (allocated(error)) then
+        info = refusal(signature, error)
+        return
+    end if
     body_1 = new_nodal_body(sizes_1, points_1, compliance_1)
     body_2 = new_nodal_body(sizes_2, points_2, compliance_2)
     call find_nodal_pairs(body_1, body_2, axis_1, axis_2, turn, n_circles, pairs, bad)
-    if (bad == 1) info = -10
-    if (bad == 2) info = -13
+    call expect(error, bad /= 1, 'points_1', radial)
+    call expect(error, bad /= 2, 'points_2', radial)
+    if (allocated(error)) info = refusal(signature, error)
     if (pairs%n > max_pairs) info = pairs%n
     if (info /= 0) return
     n = pairs%n

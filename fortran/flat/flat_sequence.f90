@@ -9,7 +9,8 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     use flankload_contact_result, only: contact_result, flat_status, unpack_result
     use flankload_contact_sequence, only: solve_contact_sequence
     use flankload_given_arrays, only: given_integers, given_reals
-    use flankload_status, only: refused_argument
+    use flankload_error, only: error_type, expect
+    use flankload_refusal, only: missing_array, refusal
     implicit none
     !> Number of problems
     integer, intent(in) :: n_problems
@@ -52,12 +53,16 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
     integer, intent(out) :: info(n_loads, n_problems)
 
     integer, parameter :: many_a_processor = 16
+    character(len=*), parameter :: signature = 'flankload_solve_sequence n_problems n_pairs &
+        &n_entries n_motions n_loads n_threads sizes compliances normal_gaps motions load_rows &
+        &loads keys structures method forces gaps motion tangent active counters certificate'
     type(contact_result), allocatable :: results(:, :)
+    type(error_type), allocatable :: error
     integer, allocatable :: codes(:, :)
     integer :: p, l, first, last, n_threads_before
     double precision :: nan
 
-    info = refused_argument([.true., .true., .true., .true., .true., .true., &
+    info = missing_array(signature, [.true., .true., .true., .true., .true., .true., &
         & given_integers(sizes, size(sizes)), given_reals(compliances, size(compliances)), &
         & given_reals(normal_gaps, size(normal_gaps)), given_reals(motions, size(motions)), &
         & given_reals(load_rows, size(load_rows)), given_reals(loads, size(loads)), &
@@ -67,12 +72,20 @@ subroutine flankload_solve_sequence(n_problems, n_pairs, n_entries, n_motions, n
         & given_integers(active, size(active)), given_integers(counters, size(counters)), &
         & given_reals(certificate, size(certificate))])
     if (any(info < 0)) return
-    info = refused_argument([n_problems >= 1, n_pairs >= 1, n_entries >= 1, n_motions >= 1, &
-        & n_loads >= 0, n_threads >= 0, &
-        & all(sizes >= 1) .and. sum(sizes) == n_pairs .and. sum(sizes**2) == n_entries, &
-        & .true., .true., .true., .true., .true., .true., &
-        & all(structures >= 0 .and. structures <= 3), method >= 0 .and. method <= 7])
-    if (any(info < 0)) then
+    call expect(error, n_problems >= 1, 'n_problems', '1 or more', n_problems)
+    call expect(error, n_pairs >= 1, 'n_pairs', '1 or more', n_pairs)
+    call expect(error, n_entries >= 1, 'n_entries', '1 or more', n_entries)
+    call expect(error, n_motions >= 1, 'n_motions', '1 or more', n_motions)
+    call expect(error, n_loads >= 0, 'n_loads', '0 or more', n_loads)
+    call expect(error, n_threads >= 0, 'n_threads', '0 or more', n_threads)
+    call expect(error, all(sizes >= 1), 'sizes', '1 or more')
+    call expect(error, sum(sizes) == n_pairs, 'sizes', 'a sum of n_pairs', sum(sizes))
+    call expect(error, sum(sizes**2) == n_entries, 'sizes', 'a sum of squares of n_entries', &
+        & sum(sizes**2))
+    call expect(error, all(structures >= 0 .and. structures <= 3), 'structures', '0 to 3')
+    call expect(error, method >= 0 .and. method <= 7, 'method', '0 to 7', method)
+    if (allocated(error)) then
+        info = refusal(signature, error)
         nan = ieee_value(nan, ieee_quiet_nan)
         forces = nan
         gaps = nan

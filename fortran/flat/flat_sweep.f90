@@ -2,8 +2,8 @@
 !> flankload_pack_body and flankload_pack_part.
 !>
 !> info = 0: every state has a result, whose quality is given by `status`. info > 0: number of
-!> states without a result; their status is negative and their values are NaN. info = -i: argument i
-!> is invalid.
+!> states without a result; their status is negative and their values are NaN. info = -100 - i:
+!> argument i is invalid, and flankload_status_text returns what was expected.
 !>
 !> The pairs of all states are packed into pair_site and pair_table: those of position k under
 !> torque t have the indices first to first + n - 1, with n = counters(8, k, t) and first =
@@ -16,10 +16,8 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
         & n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
         & pair_site, pair_table, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner, info)
-    use flankload_given_arrays, only: given_integers, given_reals
-    use flankload_known_contact, only: known_contacts
-    use flankload_position_sweep, only: sweep_type
-    use flankload_recorded_sweep, only: sweep_two, unpack_sweep
+    use flankload, only: flankload_sweep_continued
+    use flankload_refusal, only: passed_on
     implicit none
     !> Numbers of positions, torques and sites; both bodies have the same sites
     integer, intent(in) :: n_positions
@@ -76,27 +74,19 @@ subroutine flankload_sweep(n_positions, n_torques, n_sites, motion, center_dista
     !> Status, see above
     integer, intent(out) :: info
 
-    type(known_contacts) :: known
-    type(sweep_type) :: found
+    character(len=*), parameter :: signature = 'flankload_sweep n_positions n_torques n_sites &
+        &motion center_distance torques n_record_1 record_1 n_record_2 record_2 settings &
+        &n_columns room control pair_site pair_table status rotation tangent certificate counters &
+        &site_force site_peak site_corner'
+    integer :: in_contact(0)
+    integer, allocatable :: none(:, :)
 
-    info = -findloc([.true., .true., .true., given_reals(motion, size(motion)), .true., &
-        & given_reals(torques, size(torques)), .true., given_reals(record_1, size(record_1)), &
-        & .true., given_reals(record_2, size(record_2)), given_reals(settings, size(settings)), &
-        & .true., .true., given_integers(control, size(control)), &
-        & given_integers(pair_site, size(pair_site)), given_reals(pair_table, size(pair_table)), &
-        & given_integers(status, size(status)), given_reals(rotation, size(rotation)), &
-        & given_reals(tangent, size(tangent)), given_reals(certificate, size(certificate)), &
-        & given_integers(counters, size(counters)), given_reals(site_force, size(site_force)), &
-        & given_reals(site_peak, size(site_peak)), &
-        & given_integers(site_corner, size(site_corner))], .false., dim=1)
-    if (info < 0) return
-    allocate (known%touches(0))
-    allocate (known%n_pairs(n_positions, n_torques), known%first_pair(n_positions, n_torques), &
-        & source=0)
-    call sweep_two(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
-        & control, pair_site, pair_table, known, found, info)
-    call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
-        & site_peak, site_corner)
+    allocate (none(max(n_positions, 0), max(n_torques, 0)), source=0)
+    call flankload_sweep_continued(n_positions, n_torques, n_sites, motion, center_distance, &
+        & torques, n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
+        & pair_site, pair_table, 0, in_contact, none, none, status, rotation, tangent, &
+        & certificate, counters, site_force, site_peak, site_corner, info)
+    info = passed_on(signature, info)
 end subroutine flankload_sweep
 
 !> Solve the positions again if a similar sweep has shown which pairs are in contact: under other
@@ -108,10 +98,11 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
         & torques, n_record_1, record_1, n_record_2, record_2, settings, n_columns, room, control, &
         & pair_site, pair_table, n_flags, in_contact, n_known, first_known, status, rotation, &
         & tangent, certificate, counters, site_force, site_peak, site_corner, info)
-    use flankload_given_arrays, only: given_integers, given_reals
-    use flankload_known_contact, only: known_contacts
-    use flankload_position_sweep, only: sweep_type
-    use flankload_recorded_sweep, only: sweep_two, unpack_sweep
+    use flankload, only: flankload_sweep_mesh
+    use flankload_error, only: error_type, expect
+    use flankload_given_arrays, only: given_reals
+    use flankload_refusal, only: passed_on
+    use flankload_recorded_sweep, only: pack_mesh_of_two
     implicit none
     !> As in flankload_sweep
     integer, intent(in) :: n_positions
@@ -147,25 +138,26 @@ subroutine flankload_sweep_continued(n_positions, n_torques, n_sites, motion, ce
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)
     integer, intent(out) :: info
 
-    type(sweep_type) :: found
-    type(known_contacts) :: known
+    character(len=*), parameter :: signature = 'flankload_sweep_continued n_positions n_torques &
+        &n_sites motion center_distance torques n_record_1 record_1 n_record_2 record_2 settings &
+        &n_columns room control pair_site pair_table n_flags in_contact n_known first_known &
+        &status rotation tangent certificate counters site_force site_peak site_corner'
+    double precision, allocatable :: body(:), mesh(:)
+    type(error_type), allocatable :: error
 
-    info = -findloc([.true., .true., .true., given_reals(motion, size(motion)), .true., &
-        & given_reals(torques, size(torques)), .true., given_reals(record_1, size(record_1)), &
-        & .true., given_reals(record_2, size(record_2)), given_reals(settings, size(settings)), &
-        & .true., .true., given_integers(control, size(control)), &
-        & given_integers(pair_site, size(pair_site)), given_reals(pair_table, size(pair_table)), &
-        & .true., given_integers(in_contact, size(in_contact)), &
-        & given_integers(n_known, size(n_known)), given_integers(first_known, size(first_known)), &
-        & given_integers(status, size(status)), given_reals(rotation, size(rotation)), &
-        & given_reals(tangent, size(tangent)), given_reals(certificate, size(certificate)), &
-        & given_integers(counters, size(counters)), given_reals(site_force, size(site_force)), &
-        & given_reals(site_peak, size(site_peak)), &
-        & given_integers(site_corner, size(site_corner))], .false., dim=1)
-    if (info < 0) return
-    known = known_contacts(in_contact /= 0, n_known, first_known)
-    call sweep_two(n_sites, motion, center_distance, torques, record_1, record_2, settings, &
-        & control, pair_site, pair_table, known, found, info)
-    call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
-        & site_peak, site_corner)
+    call expect(error, given_reals(record_1, size(record_1)), 'record_1', &
+        & 'an array, found a null pointer')
+    call expect(error, given_reals(settings, size(settings)), 'settings', &
+        & 'an array, found a null pointer')
+    if (.not. allocated(error)) then
+        call pack_mesh_of_two(record_1, center_distance, settings, body, mesh, error)
+    end if
+    if (.not. allocated(body)) allocate (body(0))
+    if (.not. allocated(mesh)) allocate (mesh(0))
+    call flankload_sweep_mesh(n_positions, n_torques, n_sites, motion, torques, size(mesh), mesh, &
+        & size(body), body, n_record_2, record_2, n_columns, room, control, pair_site, &
+        & pair_table, n_flags, in_contact, n_known, first_known, status, rotation, tangent, &
+        & certificate, counters, site_force, site_peak, site_corner, info)
+    call expect(error, .false., 'record_1', 'valid parts of a mesh')
+    info = passed_on(signature, info, 'mesh', error%message)
 end subroutine flankload_sweep_continued

@@ -8,10 +8,12 @@ subroutine flankload_sweep_mesh(n_positions, n_torques, n_sites, motion, torques
         & n_record_1, record_1, n_record_2, record_2, n_columns, room, control, pair_site, &
         & pair_table, n_flags, in_contact, n_known, first_known, status, rotation, tangent, &
         & certificate, counters, site_force, site_peak, site_corner, info)
+    use flankload_error, only: error_type
     use flankload_given_arrays, only: given_integers, given_reals
     use flankload_known_contact, only: known_contacts
     use flankload_position_sweep, only: sweep_type
-    use flankload_recorded_sweep, only: has_mesh_parts, sweep_records, unpack_sweep
+    use flankload_refusal, only: missing_array, refusal
+    use flankload_recorded_sweep, only: sweep_records, unpack_sweep
     implicit none
     !> As in flankload_sweep
     integer, intent(in) :: n_positions
@@ -50,10 +52,15 @@ subroutine flankload_sweep_mesh(n_positions, n_torques, n_sites, motion, torques
     integer, intent(out) :: site_corner(n_sites, n_positions, n_torques)
     integer, intent(out) :: info
 
+    character(len=*), parameter :: signature = 'flankload_sweep_mesh n_positions n_torques &
+        &n_sites motion torques n_mesh mesh n_record_1 record_1 n_record_2 record_2 n_columns &
+        &room control pair_site pair_table n_flags in_contact n_known first_known status rotation &
+        &tangent certificate counters site_force site_peak site_corner'
     type(sweep_type) :: found
     type(known_contacts) :: known
+    type(error_type), allocatable :: error
 
-    info = -findloc([.true., .true., .true., given_reals(motion, size(motion)), &
+    info = missing_array(signature, [.true., .true., .true., given_reals(motion, size(motion)), &
         & given_reals(torques, size(torques)), .true., given_reals(mesh, size(mesh)), .true., &
         & given_reals(record_1, size(record_1)), .true., given_reals(record_2, size(record_2)), &
         & .true., .true., given_integers(control, size(control)), &
@@ -64,15 +71,13 @@ subroutine flankload_sweep_mesh(n_positions, n_torques, n_sites, motion, torques
         & given_reals(tangent, size(tangent)), given_reals(certificate, size(certificate)), &
         & given_integers(counters, size(counters)), given_reals(site_force, size(site_force)), &
         & given_reals(site_peak, size(site_peak)), &
-        & given_integers(site_corner, size(site_corner))], .false., dim=1)
+        & given_integers(site_corner, size(site_corner))])
     if (info < 0) return
     known = known_contacts(in_contact /= 0, n_known, first_known)
-    if (has_mesh_parts(record_1)) then
-        info = -9
-    else
-        call sweep_records(n_sites, motion, torques, mesh, record_1, record_2, control, pair_site, &
-            & pair_table, known, found, info)
-    end if
-    call unpack_sweep(found, info, status, rotation, tangent, certificate, counters, site_force, &
+    call sweep_records(n_sites, motion, torques, mesh, record_1, record_2, control, pair_site, &
+        & pair_table, known, found, error)
+    call unpack_sweep(found, error, status, rotation, tangent, certificate, counters, site_force, &
         & site_peak, site_corner)
+    info = count(status < 0)
+    if (allocated(error)) info = refusal(signature, error)
 end subroutine flankload_sweep_mesh

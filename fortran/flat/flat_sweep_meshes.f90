@@ -11,9 +11,11 @@ subroutine flankload_sweep_meshes(n_positions, n_cases, n_bodies, n_meshes, n_mo
         & pair_site, pair_table, status, motion, tangent, certificate, counters, resultant, &
         & site_force, site_peak, site_corner, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use flankload_error, only: error_type
     use flankload_given_arrays, only: given_integers, given_reals
     use flankload_position_sweep, only: sweep_type
     use flankload_recorded_meshes, only: sweep_meshes
+    use flankload_refusal, only: missing_array, refusal
     use flankload_recorded_sweep, only: unpack_sweep
     implicit none
     !> Numbers of positions, cases of loads, bodies, meshes, motions, and sites of all meshes
@@ -60,10 +62,15 @@ subroutine flankload_sweep_meshes(n_positions, n_cases, n_bodies, n_meshes, n_mo
     integer, intent(out) :: site_corner(n_sites, n_positions, n_cases)
     integer, intent(out) :: info
 
+    character(len=*), parameter :: signature = 'flankload_sweep_meshes n_positions n_cases &
+        &n_bodies n_meshes n_motions n_sites angles motions loads displacements lengths n_records &
+        &records room control pair_site pair_table status motion tangent certificate counters &
+        &resultant site_force site_peak site_corner'
     type(sweep_type) :: found
+    type(error_type), allocatable :: error
     double precision :: rotation(n_positions, n_cases), turned(n_positions, n_cases)
 
-    info = -findloc([.true., .true., .true., .true., .true., .true., &
+    info = missing_array(signature, [.true., .true., .true., .true., .true., .true., &
         & given_reals(angles, size(angles)), given_integers(motions, size(motions)), &
         & given_reals(loads, size(loads)), given_reals(displacements, size(displacements)), &
         & given_integers(lengths, size(lengths)), .true., given_reals(records, size(records)), &
@@ -73,16 +80,20 @@ subroutine flankload_sweep_meshes(n_positions, n_cases, n_bodies, n_meshes, n_mo
         & given_reals(tangent, size(tangent)), given_reals(certificate, size(certificate)), &
         & given_integers(counters, size(counters)), given_reals(resultant, size(resultant)), &
         & given_reals(site_force, size(site_force)), given_reals(site_peak, size(site_peak)), &
-        & given_integers(site_corner, size(site_corner))], .false., dim=1)
+        & given_integers(site_corner, size(site_corner))])
     if (info < 0) return
     call sweep_meshes(n_sites, angles, motions, loads, displacements, lengths, records, control, &
-        & pair_site, pair_table, found, info)
-    call unpack_sweep(found, info, status, rotation, turned, certificate, counters, site_force, &
+        & pair_site, pair_table, found, error)
+    call unpack_sweep(found, error, status, rotation, turned, certificate, counters, site_force, &
         & site_peak, site_corner)
-    motion = ieee_value(1.0d0, ieee_quiet_nan)
-    tangent = ieee_value(1.0d0, ieee_quiet_nan)
-    resultant = ieee_value(1.0d0, ieee_quiet_nan)
-    if (info < 0) return
+    if (allocated(error)) then
+        motion = ieee_value(1.0d0, ieee_quiet_nan)
+        tangent = ieee_value(1.0d0, ieee_quiet_nan)
+        resultant = ieee_value(1.0d0, ieee_quiet_nan)
+        info = refusal(signature, error)
+        return
+    end if
+    info = count(status < 0)
     motion = found%motion
     tangent = found%tangent
     resultant = found%resultant

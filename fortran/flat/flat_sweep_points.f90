@@ -11,8 +11,8 @@
 !> torque; threads share the positions and do not change the results.
 !>
 !> info = 0: every state has a result, whose quality is given by `status`. info > 0: number of
-!> states without a result; their status is negative and their values are NaN. info = -i: argument i
-!> is invalid.
+!> states without a result; their status is negative and their values are NaN. info = -100 - i:
+!> argument i is invalid.
 subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, n_points_2, &
         & n_circles, max_pairs, turn, n_threads, angles_1, angles_2, torques, axis_1, axis_2, &
         & sizes_1, points_1, compliance_1, sizes_2, points_2, compliance_2, &
@@ -20,9 +20,12 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
         & n_pairs, flank, radius, gap_angle, force, final_gap, info)
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
     use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
+    use flankload_error, only: error_type, expect, number_text
     use flankload_given_arrays, only: given_integers, given_reals
     use flankload_status, only: invalid_input
-    use flankload_nodal_pairs, only: nodal_body, most_nodal_pairs, new_nodal_body
+    use flankload_refusal, only: missing_array, refusal
+    use flankload_nodal_pairs, only: expect_axes, expect_points, most_nodal_pairs, nodal_body, &
+        & new_nodal_body
     use flankload_nodal_sweep, only: nodal_sweep_type, sweep_nodal_positions
     implicit none
     !> Numbers of positions, torques and flanks of each body, and of the points on all flanks of
@@ -81,24 +84,31 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     integer, intent(out) :: info
 
     integer, parameter :: many_a_processor = 16
-    integer :: n_threads_before
+    character(len=*), parameter :: signature = 'flankload_sweep_points n_positions n_torques &
+        &n_flanks n_points_1 n_points_2 n_circles max_pairs turn n_threads angles_1 angles_2 &
+        &torques axis_1 axis_2 sizes_1 points_1 compliance_1 sizes_2 points_2 compliance_2 status &
+        &rotation tangent torque_2 certificate flank_force n_pairs flank radius gap_angle force &
+        &final_gap'
+    integer :: n_threads_before, most
+    type(error_type), allocatable :: error
     double precision :: nan
     type(nodal_body) :: body_1, body_2
     type(nodal_sweep_type) :: found
 
-    info = -findloc([.true., .true., .true., .true., .true., .true., .true., .true., .true., &
-        & given_reals(angles_1, size(angles_1)), given_reals(angles_2, size(angles_2)), &
-        & given_reals(torques, size(torques)), given_reals(axis_1, size(axis_1)), &
-        & given_reals(axis_2, size(axis_2)), given_integers(sizes_1, size(sizes_1)), &
-        & given_reals(points_1, size(points_1)), given_reals(compliance_1, size(compliance_1)), &
-        & given_integers(sizes_2, size(sizes_2)), given_reals(points_2, size(points_2)), &
-        & given_reals(compliance_2, size(compliance_2)), given_integers(status, size(status)), &
-        & given_reals(rotation, size(rotation)), given_reals(tangent, size(tangent)), &
-        & given_reals(torque_2, size(torque_2)), given_reals(certificate, size(certificate)), &
-        & given_reals(flank_force, size(flank_force)), given_integers(n_pairs, size(n_pairs)), &
-        & given_integers(flank, size(flank)), given_reals(radius, size(radius)), &
-        & given_reals(gap_angle, size(gap_angle)), given_reals(force, size(force)), &
-        & given_reals(final_gap, size(final_gap))], .false., dim=1)
+    info = missing_array(signature, [.true., .true., .true., .true., .true., .true., .true., &
+        & .true., .true., given_reals(angles_1, size(angles_1)), given_reals(angles_2, &
+        & size(angles_2)), given_reals(torques, size(torques)), given_reals(axis_1, &
+        & size(axis_1)), given_reals(axis_2, size(axis_2)), given_integers(sizes_1, &
+        & size(sizes_1)), given_reals(points_1, size(points_1)), given_reals(compliance_1, &
+        & size(compliance_1)), given_integers(sizes_2, size(sizes_2)), given_reals(points_2, &
+        & size(points_2)), given_reals(compliance_2, size(compliance_2)), &
+        & given_integers(status, size(status)), given_reals(rotation, size(rotation)), &
+        & given_reals(tangent, size(tangent)), given_reals(torque_2, size(torque_2)), &
+        & given_reals(certificate, size(certificate)), given_reals(flank_force, &
+        & size(flank_force)), given_integers(n_pairs, size(n_pairs)), given_integers(flank, &
+        & size(flank)), given_reals(radius, size(radius)), given_reals(gap_angle, &
+        & size(gap_angle)), given_reals(force, size(force)), given_reals(final_gap, &
+        & size(final_gap))])
     if (info < 0) return
     nan = ieee_value(1.0d0, ieee_quiet_nan)
     status = invalid_input
@@ -113,21 +123,28 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     gap_angle = nan
     force = nan
     final_gap = nan
-    info = -findloc([n_positions >= 1, n_torques >= 1, n_flanks >= 1, n_points_1 >= 2, &
-        & n_points_2 >= 2, n_circles >= 0, max_pairs >= 0, abs(turn) == 1, n_threads >= 0, &
-        & all(ieee_is_finite(angles_1)), all(ieee_is_finite(angles_2)), &
-        & all(ieee_is_finite(torques) .and. torques >= 0.0d0), &
-        & all(ieee_is_finite(axis_1)), all(ieee_is_finite(axis_2)), &
-        & all(sizes_1 >= 2) .and. sum(sizes_1) == n_points_1, &
-        & all(ieee_is_finite(points_1)), all(ieee_is_finite(compliance_1)), &
-        & all(sizes_2 >= 2) .and. sum(sizes_2) == n_points_2, &
-        & all(ieee_is_finite(points_2)), all(ieee_is_finite(compliance_2))], &
-        & .false., dim=1)
-    if (info < 0) return
-    body_1 = new_nodal_body(sizes_1, points_1, compliance_1)
-    body_2 = new_nodal_body(sizes_2, points_2, compliance_2)
-    if (max_pairs > 0 .and. max_pairs < most_nodal_pairs(body_1, n_circles)) info = -7
-    if (info < 0) return
+    call expect(error, n_positions >= 1, 'n_positions', '1 or more', n_positions)
+    call expect(error, n_torques >= 1, 'n_torques', '1 or more', n_torques)
+    call expect(error, max_pairs >= 0, 'max_pairs', '0 or more', max_pairs)
+    call expect(error, n_threads >= 0, 'n_threads', '0 or more', n_threads)
+    call expect(error, all(ieee_is_finite(angles_1)), 'angles_1', 'finite numbers')
+    call expect(error, all(ieee_is_finite(angles_2)), 'angles_2', 'finite numbers')
+    call expect(error, all(ieee_is_finite(torques)), 'torques', 'finite numbers')
+    call expect(error, all(torques >= 0.0d0), 'torques', '0 or more')
+    call expect_axes(error, axis_1, axis_2, turn, n_circles)
+    call expect_points(error, '1', sizes_1, points_1, compliance_1)
+    call expect_points(error, '2', sizes_2, points_2, compliance_2)
+    if (.not. allocated(error)) then
+        body_1 = new_nodal_body(sizes_1, points_1, compliance_1)
+        body_2 = new_nodal_body(sizes_2, points_2, compliance_2)
+        most = most_nodal_pairs(body_1, n_circles)
+        call expect(error, max_pairs == 0 .or. max_pairs >= most, 'max_pairs', '0, or '// &
+            & number_text(most)//' or more', max_pairs)
+    end if
+    if (allocated(error)) then
+        info = refusal(signature, error)
+        return
+    end if
 
     n_threads_before = omp_get_max_threads()
     ! More threads only cost time; tens of thousands terminate the program.

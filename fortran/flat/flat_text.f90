@@ -1,21 +1,23 @@
-! Texts of a status through the flat interface. Both forms write into the text of the caller.
+! Texts of a status through the flat interface. Both forms write into the text of the caller. That
+! of an invalid argument (-100 - i) names procedure and argument, with what was expected and found,
+! if it is the last one that a call of the same thread has refused.
 
 !> Return the text of a status: for Fortran.
 subroutine flankload_status_text(code, text)
-    use flankload_status, only: status_text
+    use flankload_refusal, only: refusal_text
     implicit none
     !> A status or `info` of a contact problem, or the status of a position
     integer, intent(in) :: code
-    !> Text (the longest one has at most 80 characters), padded with blanks
+    !> Text (those of statuses have at most 80 characters), padded with blanks
     character(len=*), intent(out) :: text
 
-    text = status_text(code)
+    text = refusal_text(code)
 end subroutine flankload_status_text
 
 !> Return the text of a status: for C, where a text ends with a null character.
 subroutine flankload_status_text_c(code, size, text) bind(c, name='flankload_status_text_c')
     use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
-    use flankload_status, only: status_text
+    use flankload_refusal, only: refusal_text
     implicit none
     !> A status or `info` of a contact problem, or the status of a position
     integer(c_int), intent(in), value :: code
@@ -27,7 +29,7 @@ subroutine flankload_status_text_c(code, size, text) bind(c, name='flankload_sta
     integer :: k, n
     character(len=:), allocatable :: words
 
-    words = status_text(code)
+    words = refusal_text(code)
     n = min(len(words), size - 1)
     do k = 1, n
         text(k) = words(k:k)

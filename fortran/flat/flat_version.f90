@@ -21,6 +21,7 @@ end subroutine flankload_version
 !> have another size.
 subroutine flankload_double_vector(n, vector, doubled, info)
     use flankload_given_arrays, only: given_reals
+    use flankload_refusal, only: missing_array
     implicit none
     !> Length of the vectors
     integer, intent(in) :: n
@@ -28,11 +29,13 @@ subroutine flankload_double_vector(n, vector, doubled, info)
     double precision, intent(in) :: vector(n)
     !> Twice these numbers, shape (n)
     double precision, intent(out) :: doubled(n)
-    !> 0: done, -i: argument i is invalid
+    !> 0: done, -100 - i: argument i is invalid
     integer, intent(out) :: info
 
-    info = -findloc([.true., given_reals(vector, size(vector)), &
-        & given_reals(doubled, size(doubled))], .false., dim=1)
+    character(len=*), parameter :: signature = 'flankload_double_vector n vector doubled'
+
+    info = missing_array(signature, [.true., given_reals(vector, size(vector)), &
+        & given_reals(doubled, size(doubled))])
     if (info < 0) return
     doubled = 2.0d0*vector
     info = 0
@@ -45,6 +48,7 @@ end subroutine flankload_double_vector
 !> half of a negative number does not.)
 subroutine flankload_integer_vector(n, vector, doubled, info)
     use flankload_given_arrays, only: given_integers
+    use flankload_refusal, only: missing_array
     implicit none
     !> Length of the vectors
     integer, intent(in) :: n
@@ -52,11 +56,13 @@ subroutine flankload_integer_vector(n, vector, doubled, info)
     integer, intent(in) :: vector(n)
     !> Twice these numbers, shape (n)
     integer, intent(out) :: doubled(n)
-    !> 0: done, -i: argument i is invalid
+    !> 0: done, -100 - i: argument i is invalid
     integer, intent(out) :: info
 
-    info = -findloc([.true., given_integers(vector, size(vector)), &
-        & given_integers(doubled, size(doubled))], .false., dim=1)
+    character(len=*), parameter :: signature = 'flankload_integer_vector n vector doubled'
+
+    info = missing_array(signature, [.true., given_integers(vector, size(vector)), &
+        & given_integers(doubled, size(doubled))])
     if (info < 0) return
     doubled = 2*vector
     info = 0

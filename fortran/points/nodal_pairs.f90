@@ -5,7 +5,9 @@
 !> between the points. The displacement under a point load at its own point grows as the spacing
 !> decreases, so that the method converges slowly: it is meant for programs that supply such tables.
 module flankload_nodal_pairs
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use flankload_kinds, only: wp
+    use flankload_error, only: error_type, expect, number_text
     use flankload_flank_curve, only: flank_curve_type, frame_type
     use flankload_polar_geometry, only: angle_between, circle_meets_flank
     use flankload_node_curve, only: curve_through_points
@@ -14,7 +16,7 @@ module flankload_nodal_pairs
     implicit none
     private
 
-    public :: nodal_body, nodal_pairs_type
+    public :: expect_axes, expect_points, nodal_body, nodal_pairs_type
     public :: new_nodal_body, most_nodal_pairs, find_nodal_pairs, nodal_influences
 
     !> Flanks of one body as points, and their compliance table.
@@ -74,6 +76,45 @@ contains
             body%last(f) = body%last(f - 1) + sizes(f)
         end do
     end function new_nodal_body
+
+    !> Check the points and the compliance of a body; errors name arguments of flankload_position.
+    pure subroutine expect_points(error, number, sizes, points, compliance)
+        !> Set if an argument is invalid
+        type(error_type), allocatable, intent(inout) :: error
+        !> Number of the body
+        character, intent(in) :: number
+        !> As in new_nodal_body
+        integer, intent(in) :: sizes(:)
+        real(wp), intent(in) :: points(:, :)
+        real(wp), intent(in) :: compliance(:, :)
+
+        associate (n => size(points, 2))
+            call expect(error, size(sizes) >= 1, 'n_flanks', '1 or more', size(sizes))
+            call expect(error, n >= 2, 'n_points_'//number, '2 or more', n)
+            call expect(error, all(sizes >= 2), 'sizes_'//number, '2 or more')
+            call expect(error, sum(sizes) == n, 'sizes_'//number, 'a sum of '//number_text(n), &
+                & sum(sizes))
+        end associate
+        call expect(error, all(ieee_is_finite(points)), 'points_'//number, 'finite numbers')
+        call expect(error, all(ieee_is_finite(compliance)), 'compliance_'//number, &
+            & 'finite numbers')
+    end subroutine expect_points
+
+    !> Check the axes, the sense of the torque and the number of circles.
+    pure subroutine expect_axes(error, axis_1, axis_2, turn, n_circles)
+        !> Set if an argument is invalid
+        type(error_type), allocatable, intent(inout) :: error
+        !> As in find_nodal_pairs
+        real(wp), intent(in) :: axis_1(2)
+        real(wp), intent(in) :: axis_2(2)
+        integer, intent(in) :: turn
+        integer, intent(in) :: n_circles
+
+        call expect(error, n_circles >= 0, 'n_circles', '0 or more', n_circles)
+        call expect(error, abs(turn) == 1, 'turn', '1 or -1', turn)
+        call expect(error, all(ieee_is_finite(axis_1)), 'axis_1', 'finite numbers')
+        call expect(error, all(ieee_is_finite(axis_2)), 'axis_2', 'finite numbers')
+    end subroutine expect_axes
 
     !> Return an upper bound of the number of pairs of a position.
     pure function most_nodal_pairs(body_1, n_circles) result(n)

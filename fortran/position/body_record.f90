@@ -25,8 +25,10 @@ module flankload_body_record
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block, part_mesh
     public :: body_mark, mesh_mark, mesh_parts, height_values
-    public :: fits, are_valid, record_length, start_record, write_part
-    public :: belongs_to, is_record, counts_in, shape_in, place_in
+    public :: fits, are_valid, append_part, record_length, set_counts, start_record
+    public :: without_parts
+    public :: write_part
+    public :: belongs_to, is_record, counts_in, shape_in, shape_of, place_in
 
     !> Parts: first the optional ones, with the numbers used by programs, then those of every body,
     !> and that of every mesh.
@@ -298,9 +300,41 @@ contains
         record(1) = mark
         record(2) = header
         record(first_count:header) = 0.0_wp
+        call set_counts(n, record)
+    end subroutine start_record
+
+    !> Write the sizes into the header of a record.
+    pure subroutine set_counts(n, record)
+        !> Sizes
+        type(counts_type), intent(in) :: n
+        !> The record
+        real(wp), intent(inout) :: record(:)
+
         record(first_count:first_place - 1) = real([n%breaks, n%powers, n%sites, n%modes, &
             & n%blocks], wp)
-    end subroutine start_record
+    end subroutine set_counts
+
+    !> Append a part to a record that grows.
+    pure subroutine append_part(part, n_values, values, record)
+        !> Number of the part
+        integer, intent(in) :: part
+        !> Number of its values
+        integer, intent(in) :: n_values
+        !> Values column by column
+        real(wp), intent(in) :: values(n_values)
+        !> The record
+        real(wp), allocatable, intent(inout) :: record(:)
+
+        integer :: missing
+        real(wp), allocatable :: longer(:)
+
+        call write_part(part, n_values, values, record, missing)
+        if (missing == 0) return
+        allocate (longer(size(record) + missing))
+        longer(:size(record)) = record
+        call move_alloc(longer, record)
+        call write_part(part, n_values, values, record, missing)
+    end subroutine append_part
 
     !> Append a part, or replace one of the same length.
     pure subroutine write_part(part, n_values, values, record, missing)
@@ -329,6 +363,24 @@ contains
         end if
         record(place(1):place(2)) = values
     end subroutine write_part
+
+    !> Return a record without some of its parts, whose values are no longer in use.
+    pure function without_parts(record, parts) result(shorter)
+        !> The record
+        real(wp), intent(in) :: record(:)
+        !> Numbers of the parts
+        integer, intent(in) :: parts(:)
+        real(wp) :: shorter(size(record))
+
+        integer :: k, first
+
+        shorter = record
+        do k = 1, size(parts)
+            first = first_place + 2*parts(k) - 2
+            shorter(2) = shorter(2) - shorter(first + 1)
+            shorter(first:first + 1) = 0.0_wp
+        end do
+    end function without_parts
 
     !> Return whether an array begins with a complete record; its values are not checked.
     pure function is_record(mark, record)

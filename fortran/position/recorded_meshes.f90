@@ -1,13 +1,14 @@
-!> Sweep of several bodies and their meshes by their records: check of the arguments, and reading of
-!> the records.
+!> Sweep of several bodies and their meshes by their records: reading of the records. Errors name
+!> arguments of `flankload_sweep_meshes`.
 module flankload_recorded_meshes
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use flankload_kinds, only: wp
-    use flankload_mesh, only: along_x, body_type, configuration_type, mesh_type, motion_type, &
-        & rotation
-    use flankload_position_sweep, only: sweep_positions, sweep_type
+    use flankload_error, only: error_type, expect, number_text
+    use flankload_mesh, only: motion_type
+    use flankload_position_sweep, only: sweep_type
+    use flankload_problem, only: problem_type, solve_problem
     use flankload_recorded_body, only: read_body, read_mesh
-    use flankload_recorded_sweep, only: check_bodies, has_mesh_parts
+    use flankload_recorded_sweep, only: has_mesh_parts
     implicit none
     private
 
@@ -15,9 +16,9 @@ module flankload_recorded_meshes
 
 contains
 
-    !> Sweep several meshes; arguments and info are those of flankload_sweep_meshes.
+    !> Sweep several meshes; arguments are those of flankload_sweep_meshes.
     subroutine sweep_meshes(n_sites, angles, motions, loads, displacements, lengths, records, &
-            & control, pair_site, pair_table, found, info)
+            & control, pair_site, pair_table, found, error)
         !> As in flankload_sweep_meshes
         integer, intent(in) :: n_sites
         real(wp), intent(in) :: angles(:, :, :)
@@ -31,78 +32,63 @@ contains
         real(wp), intent(inout) :: pair_table(:, :)
         !> The results
         type(sweep_type), intent(out) :: found
-        !> 0, or number of states without a solution; -i: argument i is invalid, and there are no
-        !> results
-        integer, intent(out) :: info
+        !> Set if an argument is invalid; there are then no results
+        type(error_type), allocatable, intent(out) :: error
 
         integer :: k
-        type(body_type) :: bodies(size(displacements, 2))
-        type(mesh_type) :: meshes(size(angles, 2))
-        type(motion_type) :: ways(size(motions, 2))
-        type(configuration_type) :: configurations(size(angles, 3))
+        type(problem_type) :: problem
 
-        info = 0
-        if (.not. all(ieee_is_finite(displacements))) info = -10
-        if (.not. all(ieee_is_finite(loads))) info = -9
-        if (any(motions(1, :) < 1 .or. motions(1, :) > size(bodies) .or. motions(2, :) < along_x &
-            & .or. motions(2, :) > rotation .or. abs(motions(3, :)) /= 1)) info = -8
-        if (.not. all(ieee_is_finite(angles))) info = -7
-        if (size(ways) < 1) info = -5
-        if (size(meshes) < 1) info = -4
-        if (size(bodies) < 2) info = -3
-        if (info == 0) call read_records(lengths, records, bodies, meshes, info)
-        if (info == 0 .and. sum(meshes%n_sites) /= n_sites) info = -6
-        if (info < 0) return
-        do k = 1, size(ways)
-            ways(k) = motion_type(motions(1, k), motions(2, k), real(motions(3, k), wp))
+        allocate (problem%bodies(size(displacements, 2)), problem%meshes(size(angles, 2)), &
+            & problem%motions(size(motions, 2)), problem%configurations(size(angles, 3)))
+        call expect(error, all(ieee_is_finite(displacements)), 'displacements', 'finite numbers')
+        call read_records(lengths, records, problem, error)
+        if (allocated(error)) return
+        call expect(error, sum(problem%meshes%n_sites) == n_sites, 'n_sites', &
+            & number_text(sum(problem%meshes%n_sites)), n_sites)
+        do k = 1, size(motions, 2)
+            problem%motions(k) = motion_type(motions(1, k), motions(2, k), real(motions(3, k), wp))
         end do
-        do k = 1, size(configurations)
-            configurations(k)%angles = angles(:, :, k)
-            if (any(abs(displacements) > 0.0_wp)) configurations(k)%displacements = &
+        do k = 1, size(angles, 3)
+            problem%configurations(k)%angles = angles(:, :, k)
+            if (any(abs(displacements) > 0.0_wp)) problem%configurations(k)%displacements = &
                 & displacements(:, :, k)
         end do
-        call sweep_positions(bodies, meshes, ways, configurations, loads, control, pair_site, &
-            & pair_table, found, summed=.true.)
-        info = count(found%status < 0)
+        problem%loads = loads
+        call solve_problem(problem, control, pair_site, pair_table, found, error)
+        if (.not. allocated(error)) return
+        if (any(error%message(:5) == ['body ', 'mesh '])) error%message = 'records: '//error%message
     end subroutine sweep_meshes
 
-    !> Read the records of bodies and meshes, and check that they match.
-    subroutine read_records(lengths, records, bodies, meshes, info)
+    !> Read the records of bodies and meshes.
+    subroutine read_records(lengths, records, problem, error)
         !> Lengths of the records, and the records one behind the other
         integer, intent(in) :: lengths(:)
         real(wp), intent(in) :: records(:)
-        !> The bodies, and their meshes
-        type(body_type), intent(inout) :: bodies(:)
-        type(mesh_type), intent(inout) :: meshes(:)
-        !> -11: a length is invalid; -13: a record is invalid, or does not match the others
-        integer, intent(inout) :: info
+        !> The bodies and meshes
+        type(problem_type), intent(inout) :: problem
+        !> Set if a length or a record is invalid
+        type(error_type), allocatable, intent(inout) :: error
 
-        integer :: k, first, last, mismatch
+        integer :: k, last
         logical :: valid
 
-        if (any(lengths < 0) .or. sum(real(lengths, wp)) > size(records)) info = -11
-        if (info < 0) return
+        call expect(error, all(lengths >= 0), 'lengths', '0 or more')
+        call expect(error, .not. sum(real(lengths, wp)) > size(records), 'lengths', 'a sum of at &
+            &most '//number_text(size(records)))
+        if (allocated(error)) return
         last = 0
-        valid = .true.
         do k = 1, size(lengths)
-            first = last + 1
+            associate (record => records(last + 1:last + lengths(k)), n => size(problem%bodies))
+                if (k <= n) then
+                    call read_body(record, problem%bodies(k), valid)
+                    if (has_mesh_parts(record)) valid = .false.
+                    call expect(error, valid, 'records', 'that of body '//number_text(k))
+                else
+                    call read_mesh(record, problem%meshes(k - n), valid)
+                    call expect(error, valid, 'records', 'that of mesh '//number_text(k - n))
+                end if
+            end associate
             last = last + lengths(k)
-            if (k <= size(bodies)) then
-                call read_body(records(first:last), bodies(k), valid)
-                if (has_mesh_parts(records(first:last))) valid = .false.
-            else
-                call read_mesh(records(first:last), meshes(k - size(bodies)), valid)
-            end if
-            if (.not. valid) exit
-        end do
-        if (.not. valid) info = -13
-        if (info < 0) return
-        mismatch = 0
-        do k = 1, size(meshes)
-            valid = all(meshes(k)%bodies <= size(bodies))
-            if (valid) call check_bodies(bodies, meshes(k), mismatch)
-            ! friction needs speeds, which only a pair has
-            if (.not. valid .or. mismatch < 0 .or. allocated(meshes(k)%friction)) info = -13
         end do
     end subroutine read_records
 

@@ -29,7 +29,6 @@ PUBLIC = {
     "position/position_load.f90: solve_position",
     "position/position_sweep.f90: sweep_positions",
     "position/recorded_sweep.f90: sweep_records",
-    "position/recorded_sweep.f90: sweep_two",
     "position/recorded_meshes.f90: sweep_meshes",
     "position/recorded_sweep.f90: unpack_sweep",
     "points/nodal_sweep.f90: sweep_nodal_positions",

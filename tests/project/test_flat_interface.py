@@ -117,7 +117,7 @@ def arrays() -> list[tuple[str, int]]:
 def test_null_pointers_are_refused_if_the_array_has_entries(entries: int) -> None:
     """Regression: they ended the program. Arrays without entries may be null pointers."""
     core = ctypes.CDLL(_core.__file__)
-    refused = {}
+    refused, words = {}, {}
     for name, missing in arrays():
         sizes = np.full(1, entries, dtype=np.intc)
         held: list[np.ndarray | None] = [sizes, *(np.zeros(512) for _ in INTERFACE[name][1:-1])]
@@ -131,10 +131,14 @@ def test_null_pointers_are_refused_if_the_array_has_entries(entries: int) -> Non
             ctypes.c_void_p(info.ctypes.data),
         )
         refused[name, missing] = int(info[0])
+        words[name, missing] = _core.flankload_status_text(int(info[0])).decode().strip()
     if entries:
         assert len(refused) > 80
         for (name, missing), info_of in refused.items():
-            assert info_of in (-missing, -100 - missing), name
+            assert info_of == -100 - missing, name
+            argument = INTERFACE[name][missing - 1][0]
+            expected = f"{name}: {argument}: expected an array, found a null pointer"
+            assert words[name, missing] == expected
     else:
         assert refused["flankload_double_vector", 2] == 0
         assert refused["flankload_solve_contact", 4] == -101
@@ -236,7 +240,7 @@ def test_every_status_has_its_words() -> None:
     assert len(set(words.values())) == len(words)
     assert not any(text.startswith("no status") for text in words.values())
     assert max(len(text) for text in words.values()) <= 80
-    assert _core.flankload_status_text(-117) == b"argument 17 is not valid"
+    assert _core.flankload_status_text(-199) == b"argument 99 is not valid"
     assert _core.flankload_status_text(99) == b"no status has the number 99"
 
 
@@ -314,7 +318,13 @@ def test_global_names_are_used_once() -> None:
 
 
 def test_the_core_prints_opens_and_stops_nothing() -> None:
-    """Nor does it keep anything between calls."""
+    """Nor does it keep anything between calls, but for the words about an invalid argument."""
+    kept = re.compile(r"^    (?:integer|real|character|logical|type)[^:]*:: \w+.* = ", re.MULTILINE)
+    for path in SOURCES:
+        text = path.read_text(encoding="utf-8").partition("\ncontains\n")[0]
+        text = re.sub(r"^    type( ::|, ).*?^    end type", "", text, flags=re.M | re.S)
+        found = [line for line in kept.findall(text) if "parameter" not in line]
+        assert len(found) == (2 if path.name == "refusal.f90" else 0), f"{path.name}: {found}"
     forbidden = re.compile(
         r"^\s*(print\b|open\s*\(|close\s*\(|read\s*\(|(error )?stop\b|save\b"
         r"|write\s*\((?!number,)|common\b|.*\bsave\s*::|call (exit|abort)\b)",

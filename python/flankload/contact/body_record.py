@@ -10,7 +10,7 @@ import numpy as np
 from flankload import _core
 from flankload.bodies.flank_surface import section_curves
 from flankload.contact.conforming import conforming_height
-from flankload.errors import InputError
+from flankload.contact.status import checked
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -308,10 +308,8 @@ def _packed(
     parts: list[Part],
 ) -> NDArray[np.float64]:
     """Record begun by a procedure of the core, and its parts."""
-    name = pack.__name__
-    needed = _checked(name, pack(*arguments, np.empty(0)))
-    record = np.empty(needed)
-    _checked(name, pack(*arguments, record))
+    record = np.empty(checked(pack(*arguments, np.empty(0))))
+    checked(pack(*arguments, record))
     return packed_parts(record, parts)
 
 
@@ -326,13 +324,5 @@ def packed_parts(record: NDArray[np.float64], parts: list[Part]) -> NDArray[np.f
     longer = np.empty(record.size + sum(values.size for _, values in parts))
     longer[: record.size] = record
     for name, values in parts:
-        info = _core.flankload_pack_part(PARTS.index(name) + 1, values, longer)
-        _checked(f"flankload_pack_part ({name})", info)
+        checked(_core.flankload_pack_part(PARTS.index(name) + 1, values, longer))
     return longer
-
-
-def _checked(procedure: str, info: int) -> int:
-    """`info` of a procedure; raises an InputError for an invalid argument."""
-    if info < 0:
-        raise InputError(f"argument {-info} of {procedure} is not valid")
-    return int(info)

@@ -10,9 +10,8 @@ import numpy as np
 
 from flankload import _core
 from flankload.contact.pair_table import PackedPairs, columns_of
-from flankload.contact.status import Status
+from flankload.contact.status import Status, checked
 from flankload.cost import Account, held_bytes
-from flankload.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -181,6 +180,7 @@ class CoreCall:
                 table,
                 *known.at(which),
             )
+            checked(found[-1])
             return found
 
         def report(now: int) -> None:
@@ -202,9 +202,7 @@ class CoreCall:
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
     ) -> CoreOutput:
         """Outputs by name, with pairs numbered from 0; counts the work."""
-        status, rotation, tangent, certificate, counters, force, peak, corner, info = outputs
-        if info < 0:
-            raise InputError(f"argument {-info} of flankload_sweep_mesh is not valid")
+        status, rotation, tangent, certificate, counters, force, peak, corner, _ = outputs
         work = np.asfortranarray(counters[: len(CORE_COUNTERS)])
         n_pairs, first_pair = (np.asfortranarray(part) for part in counters[len(CORE_COUNTERS) :])
         _count(status, work, self.account)

@@ -17,8 +17,7 @@ from flankload import _core
 from flankload.contact.body_record import packed_parts
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.pair_table import PackedPairs, columns_of
-from flankload.contact.status import Status
-from flankload.errors import InputError
+from flankload.contact.status import Status, checked
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -178,8 +177,7 @@ def solve_meshes(
         table = np.empty(room * n_columns)
         control = np.zeros(2, dtype=np.intc)
         outputs = _core.flankload_sweep_meshes(*arguments, control, site, table)
-        if outputs[-1] < 0:
-            raise InputError(f"argument {-outputs[-1]} of flankload_sweep_meshes is not valid")
+        checked(outputs[-1])
         if not np.any(outputs[0] == Status.NO_ROOM):
             break
         room *= 2

@@ -150,6 +150,19 @@ def status_text(code: int) -> str:
     return _core.flankload_status_text(code).decode("ascii").strip()
 
 
+def checked(info: int) -> int:
+    """`info` of a procedure of the core called in this thread, unless an argument is invalid.
+
+    Raises
+    ------
+    InputError
+        With the words of the core: procedure, argument, expected, found.
+    """
+    if info < 0:
+        raise InputError(status_text(info))
+    return int(info)
+
+
 def raise_first_failure(
     status: NDArray[np.int64],
     position_rad: NDArray[np.float64],

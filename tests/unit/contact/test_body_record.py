@@ -156,7 +156,7 @@ def test_a_longer_record_and_a_part_packed_again() -> None:
     assert info == 0
     np.testing.assert_array_equal(rotation, sweep_info(exact, record_of())[1])
     assert part_info("friction", [1.0, 0.1, 0.1], long) == 0
-    assert part_info("friction", [1.0, 2.0, 0.1, 0.1, 0.1, 0.1], long) == -2
+    assert part_info("friction", [1.0, 2.0, 0.1, 0.1, 0.1, 0.1], long) == -102
 
 
 @pytest.mark.parametrize(
@@ -186,7 +186,7 @@ def test_refused_arguments_of_a_body(argument: int, changes: dict[str, Any]) -> 
         "corners": np.zeros(9, dtype=np.intc),
     }
     record = np.full(1000, 7.0)
-    assert _core.flankload_pack_body(*main_arguments(**(base | changes)), record) == -argument
+    assert _core.flankload_pack_body(*main_arguments(**(base | changes)), record) == -100 - argument
     assert (record == 7.0).all()
 
 
@@ -197,7 +197,7 @@ def test_refused_arguments_of_a_body(argument: int, changes: dict[str, Any]) -> 
 def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
     """As C hands them over: f2py makes no such calls. Nothing is read beyond these arrays."""
     sizes = dict(zip((0, 1, 5, 8, 9), (9, 3, SITES, MODES, BLOCKS), strict=True)) | {place: size}
-    numbers, whole = np.zeros(1000), np.zeros(1000, dtype=np.intc)
+    numbers, whole = np.arange(1000.0), np.zeros(1000, dtype=np.intc)
     info = np.zeros(1, dtype=np.intc)
     room = np.full(1, numbers.size, dtype=np.intc)
     arrays: list[Any] = [None, None, *(numbers, numbers, whole), None, *(numbers, numbers)]
@@ -206,7 +206,7 @@ def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
     ctypes.CDLL(_core.__file__).flankload_pack_body_(
         *(ctypes.c_void_p(array.ctypes.data) for array in held)
     )
-    assert info[0] == -argument
+    assert info[0] == -100 - argument
 
 
 @pytest.mark.parametrize(
@@ -261,21 +261,21 @@ def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
 def test_refused_parts(argument: int, name: str, values: Any) -> None:
     record = np.append(record_of(), np.zeros(50))
     before = record.copy()
-    assert part_info(name, values, record) == -argument
+    assert part_info(name, values, record) == -100 - argument
     np.testing.assert_array_equal(record, before)
 
 
 def test_refused_numbers_of_parts_and_arrays_that_are_no_record() -> None:
     record = np.append(record_of(), np.zeros(50))
     for part in (0, len(PARTS) + 1, -3):
-        assert _core.flankload_pack_part(part, np.zeros(1), record) == -1
-    assert part_info("wedge", [0.1, 0.1], np.zeros(3000)) == -5
-    assert part_info("wedge", [0.1, 0.1], np.zeros(3)) == -5
+        assert _core.flankload_pack_part(part, np.zeros(1), record) == -101
+    assert part_info("wedge", [0.1, 0.1], np.zeros(3000)) == -105
+    assert part_info("wedge", [0.1, 0.1], np.zeros(3)) == -105
 
 
 def test_modes_of_a_tip_need_one_of_the_flank() -> None:
     record = np.append(record_of(smooth=np.zeros((2, 2, 2), order="F")), np.zeros(5))
-    assert part_info("tip", TIP, record) == -3
+    assert part_info("tip", TIP, record) == -103
 
 
 def test_working_flanks_come_before_coast_flanks() -> None:
@@ -285,13 +285,13 @@ def test_working_flanks_come_before_coast_flanks() -> None:
         "block": np.ones((3, 3), dtype=np.intc, order="F"),
     }
     record = np.append(record_of(**three), np.zeros(3))
-    assert part_info("sides", [1.0, -1.0, 1.0], record) == -3
+    assert part_info("sides", [1.0, -1.0, 1.0], record) == -103
     assert part_info("sides", [1.0, -1.0, -1.0], record) == 0
 
 
 def test_displacements_along_the_flank_need_as_many_loads_along_it() -> None:
     record = np.append(record_of(("tangential", np.zeros(2 * MODES * BLOCKS))), np.zeros(50))
-    assert part_info("along", np.zeros(9 * BLOCKS), record) == -2
+    assert part_info("along", np.zeros(9 * BLOCKS), record) == -102
     assert part_info("along", np.zeros(4 * BLOCKS), record) == 0
 
 
@@ -321,7 +321,7 @@ def test_sections_are_in_place_of_the_flank(z: int) -> None:
     np.testing.assert_allclose(found, sweep_info(*records)[1], rtol=SOLVER)
     assert not np.array_equal(found, sweep_info(record_of(), record_of())[1])
     records[z - 1] = record_of(("sections", np.tile(section[1], 2)))
-    assert sweep_info(*records)[0] == (-8 if z == 1 else -10)
+    assert sweep_info(*records)[0] == (-108 if z == 1 else -110)
 
 
 NO_TANGENTIAL = ("tangential", np.zeros(MODES * BLOCKS))
@@ -377,12 +377,12 @@ def test_slices_need_both_bodies_over_their_width() -> None:
     """All slices in both bodies, on body 1; modes over the width only with slices."""
     axial, short = ("axial", AXIAL), ("axial", [*AXIAL[:2], 0.9, *AXIAL[3:]])
     assert sliced_info([axial, EDGES], [axial]) == 0
-    assert sliced_info([EDGES], [axial]) == -8
-    assert sliced_info([axial, EDGES], []) == -10
-    assert sliced_info([short, EDGES], [axial]) == -8
-    assert sliced_info([axial, EDGES], [short]) == -10
-    assert sliced_info([axial, EDGES], [axial, EDGES]) == -10
-    assert sliced_info([axial], [axial]) == -8
+    assert sliced_info([EDGES], [axial]) == -108
+    assert sliced_info([axial, EDGES], []) == -110
+    assert sliced_info([short, EDGES], [axial]) == -108
+    assert sliced_info([axial, EDGES], [short]) == -110
+    assert sliced_info([axial, EDGES], [axial, EDGES]) == -110
+    assert sliced_info([axial], [axial]) == -108
 
 
 def test_shifts_and_finite_forces_have_no_slices() -> None:
@@ -475,7 +475,7 @@ def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
     for record in bad:
         records = (record, good) if z == 1 else (good, record)
         info, rotation = sweep_info(*records)
-        assert info == (-8 if z == 1 else -10)
+        assert info == (-108 if z == 1 else -110)
         assert np.isnan(rotation).all()
     assert sweep_info(good, good)[0] == 0
 
@@ -489,8 +489,8 @@ def test_values_spoiled_in_a_record_are_refused(name: str, value: float) -> None
     record = record_of(("wedge", [0.0, 0.3]))
     place = int(record[7 + 2 * NAMES.index(name)]) - 1
     record[place] = value
-    assert sweep_info(record, record_of())[0] == -8
-    assert sweep_info(record_of(), record)[0] == -10
+    assert sweep_info(record, record_of())[0] == -108
+    assert sweep_info(record_of(), record)[0] == -110
 
 
 NODES = ("nodes", [0.0, 6.0, 12.0])
@@ -523,18 +523,22 @@ def test_refused_arguments_of_a_sweep(
     argument: int, one: list[Any], two: list[Any], changes: dict[str, Any]
 ) -> None:
     info, rotation = sweep_info(record_of(*one), record_of(*two), **changes)
-    assert info == -argument
+    assert info == -100 - argument
     assert np.isnan(rotation).all()
 
 
 def test_bodies_of_other_numbers_of_sites_are_refused() -> None:
+    words = _core.flankload_status_text
     changes = {
         "site_angles": np.zeros(1),
         "deviations": np.zeros(1),
         "block": np.ones((1, 1), dtype=np.intc, order="F"),
     }
-    assert sweep_info(record_of(), record_of(**changes))[0] == -3
-    assert sweep_info(record_of(**changes), record_of())[0] == -3
+    assert sweep_info(record_of(), record_of(**changes))[0] == -110
+    assert words(-110) == b"flankload_sweep: record_2: expected 2 sites, found 1"
+    # regression: "argument 3" was the text of the status of a contact problem
+    assert sweep_info(record_of(**changes), record_of())[0] == -103
+    assert words(-103) == b"flankload_sweep: n_sites: expected 1, found 2"
 
 
 @pytest.mark.parametrize(
@@ -549,7 +553,7 @@ def test_bodies_of_other_numbers_of_sites_are_refused() -> None:
 def test_refused_shafts(argument: int, values: Any) -> None:
     """A compliance is symmetric, and no section moves against its load."""
     record = np.append(record_of(), np.zeros(50))
-    assert part_info("shaft", values, record) == -argument
+    assert part_info("shaft", values, record) == -100 - argument
 
 
 def test_a_rigid_body_needs_no_nodes() -> None:
@@ -681,7 +685,7 @@ def test_a_mesh_has_its_own_record(part: Any, settings: Any, n_columns: int) -> 
     assert wanted[0] == 0
     np.testing.assert_array_equal(found, wanted[1])
     if part:
-        assert mesh_info(mesh_of(settings=settings), together, two)[0] == -9
+        assert mesh_info(mesh_of(settings=settings), together, two)[0] == -109
 
 
 @pytest.mark.parametrize(
@@ -699,23 +703,23 @@ def test_a_mesh_has_its_own_record(part: Any, settings: Any, n_columns: int) -> 
 )
 def test_refused_arguments_of_a_mesh(argument: int, arguments: Any) -> None:
     record = np.full(200, 7.0)
-    assert _core.flankload_pack_mesh(*arguments, record) == -argument
+    assert _core.flankload_pack_mesh(*arguments, record) == -100 - argument
     assert (record == 7.0).all()
 
 
 def test_records_of_bodies_and_meshes_are_not_exchanged() -> None:
     mesh, body = mesh_of(), record_of()
-    assert mesh_info(body, body, body)[0] == -7
-    assert mesh_info(mesh, mesh, body)[0] == -9
-    assert mesh_info(mesh, body, mesh)[0] == -11
-    assert mesh_info(mesh, body, record_of(SIDES))[0] == -11
+    assert mesh_info(body, body, body)[0] == -107
+    assert mesh_info(mesh, mesh, body)[0] == -109
+    assert mesh_info(mesh, body, mesh)[0] == -111
+    assert mesh_info(mesh, body, record_of(SIDES))[0] == -111
     # parts of a body have no place in the record of a mesh
-    assert part_info("wedge", [0.0, 0.1], mesh) == -1
+    assert part_info("wedge", [0.0, 0.1], mesh) == -101
     # as many sites as both bodies
     long = np.empty(200)
     assert _core.flankload_pack_mesh(SITES + 1, AXES, 0.0, np.array(SETTINGS), long) == 0
-    assert mesh_info(long, body, body)[0] == -7
-    assert sweep_info(body, body, center_distance=NAN)[0] == -5
+    assert mesh_info(long, body, body)[0] == -103
+    assert sweep_info(body, body, center_distance=NAN)[0] == -105
 
 
 def test_slices_carry_on_both_flanks() -> None:

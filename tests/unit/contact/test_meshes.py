@@ -150,7 +150,7 @@ def test_what_several_meshes_exclude() -> None:
     finite = mesh_record(0.0, steps=4)
     states = solve_meshes(bodies, [finite], [Motion(0), Motion(1)], ANGLES, [[TORQUE, 0.0]])
     assert (states.status == -23).all()
-    with pytest.raises(InputError, match="argument 13 of"):
+    with pytest.raises(InputError, match="records: mesh 1: expected bodies from 1 to 2, found 3"):
         solve_meshes(bodies, [mesh(0.0, bodies=(0, 2))], [Motion(0)], ANGLES, [[TORQUE]])
-    with pytest.raises(InputError, match="argument 8 of"):
+    with pytest.raises(InputError, match="motions: expected bodies from 1 to 2"):
         solve_meshes(bodies, [mesh(0.0)], [Motion(2)], ANGLES, [[TORQUE]])

@@ -200,11 +200,11 @@ def test_refused_arguments_have_their_number(position: NodalPosition) -> None:
     }
     for argument, change in cases.items():
         n, *arrays, info = call(position, **change)
-        assert info == -argument
+        assert info == -100 - argument
         assert n == 0
         assert not any(array.any() for array in arrays)
-    assert call(position, points_1=steps)[-1] == -10
-    assert call(position, points_2=steps)[-1] == -13
+    assert call(position, points_1=steps)[-1] == -110
+    assert call(position, points_2=steps)[-1] == -113
 
 
 def test_a_normal_through_the_axis_is_refused(position: NodalPosition) -> None:
@@ -213,7 +213,7 @@ def test_a_normal_through_the_axis_is_refused(position: NodalPosition) -> None:
     # radii grow by a hair: the flank lies along its circle
     radius, angle = np.repeat(middle, 25) + 1e-3 * along, 0.1 * along
     arc = np.asfortranarray([radius * np.cos(angle), radius * np.sin(angle)])
-    assert call(position, points_2=arc, n_circles=3)[-1] == -13
+    assert call(position, points_2=arc, n_circles=3)[-1] == -113
 
 
 def test_too_little_room_says_how_much_is_wanted(position: NodalPosition) -> None:

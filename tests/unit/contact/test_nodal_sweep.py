@@ -236,8 +236,8 @@ def test_refused_arguments_have_their_number(sweep: NodalSweep) -> None:
     }
     for argument, change in cases.items():
         refused = sweep.solve(**change)
-        assert refused["info"] == -argument
+        assert refused["info"] == -100 - argument
         assert np.isnan(refused["rotation"]).all()
         assert (refused["status"] == -4).all()
-    assert sweep.solve(n_circles=20, max_pairs=39)["info"] == -7
+    assert sweep.solve(n_circles=20, max_pairs=39)["info"] == -107
     assert sweep.solve(n_circles=20, max_pairs=40)["info"] == 0
