@@ -86,7 +86,8 @@ module flankload_status
         & 'slices require small forces, flanks with two ends; if they conform, no friction'), &
 
         & status_type(code_one_mesh_only, &
-        & 'several meshes or motions exclude slices, friction, finite forces, mixed models')]
+        & 'several meshes or motions exclude friction, finite forces, conforming slices, mixed '// &
+        & 'models')]
 
 contains
 

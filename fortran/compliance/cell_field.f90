@@ -16,7 +16,7 @@ module flankload_cell_field
     use flankload_contact_pairs, only: pairs_type
     use flankload_rectangle_potential, only: add_potentials, cell_potential
     use flankload_slice_field, only: across_lines, along_line, corner_mirrors, end_mirrors, &
-        & mirror_type, segment_type, sliced_tangential, slices_type
+        & mirror_type, segment_type
     use flankload_tangential_potential, only: rectangle_field
     implicit none
     private
@@ -38,18 +38,19 @@ module flankload_cell_field
 contains
 
     !> Add the near fields of both bodies and all images to the lower triangle of K.
-    pure subroutine add_cells(body_1, body_2, segments, pairs, matrix)
+    pure subroutine add_cells(body_1, body_2, segments, range, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
         !> Contact lines of all zones, shape (zones)
         type(segment_type), intent(in) :: segments(:)
-        !> Contact pairs, those of a zone adjacent, zones ascending
+        !> First and last pair of these bodies; those of a zone are adjacent, zones ascending
+        integer, intent(in) :: range(2)
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        call add_fields(runs_of(pairs, segments), end_mirrors(body_1, body_2), &
+        call add_fields(runs_of(pairs, range, segments), end_mirrors(body_1, body_2), &
             & [corner_mirrors(body_1, 1, body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], &
             & pairs, matrix)
     end subroutine add_cells
@@ -81,21 +82,20 @@ contains
         end do
     end subroutine add_fields
 
-    !> Add the normal displacement of both bodies under the friction forces of all pairs; not
-    !> symmetric.
+    !> Add the normal displacement of both bodies under the friction forces of all pairs by their
+    !> near fields; not symmetric.
     !>
     !> The force mu sigma F on body 1 points towards increasing arc length of flank 1, that on body
     !> 2 towards increasing arc length of flank 2: the normal displacement of both is minus their
     !> displacement out of the material.
-    pure subroutine add_sliding(body_1, body_2, slices, segments, pairs, matrix)
+    pure subroutine add_sliding(body_1, body_2, segments, range, pairs, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
-        !> Slices
-        type(slices_type), intent(in) :: slices
         !> Contact lines of all zones, shape (zones)
         type(segment_type), intent(in) :: segments(:)
-        !> Contact pairs with friction
+        !> First and last pair of these bodies, with friction
+        integer, intent(in) :: range(2)
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
@@ -107,7 +107,7 @@ contains
         real(wp), allocatable :: along(:, :)
 
         n = pairs%n
-        runs = runs_of(pairs, segments)
+        runs = runs_of(pairs, range, segments)
         allocate (along(n, n), source=0.0_wp)
         corners = [corner_mirrors(body_1, 1, body_1%wedge_along), &
             & corner_mirrors(body_2, 2, body_2%wedge_along)]
@@ -117,8 +117,6 @@ contains
         end if
         ! A point in front of the force on body 1 is behind that on body 2.
         call add_cerruti((body_2%jump - body_1%jump)/acos(-1.0_wp), runs, pairs, along)   ! Eq. (C5)
-        along = along + sliced_tangential(body_1, slices, pairs%site(:n), pairs%s_1(:n))
-        along = along + sliced_tangential(body_2, slices, pairs%site(:n), pairs%s_2(:n))
         do j = 1, n
             matrix(:, j) = matrix(:, j) - pairs%friction(j)*along(:, j)   ! Eq. (C5)
         end do
@@ -186,23 +184,24 @@ contains
     end subroutine mirror
 
     !> Return the pairs of each zone.
-    pure function runs_of(pairs, segments) result(runs)
-        !> Contact pairs
+    pure function runs_of(pairs, range, segments) result(runs)
+        !> Contact pairs, and the first and the last of them
         type(pairs_type), intent(in) :: pairs
+        integer, intent(in) :: range(2)
         !> Contact lines of all zones, shape (zones)
         type(segment_type), intent(in) :: segments(:)
         type(run_type), allocatable :: runs(:)
 
         !> Relative difference of widths and steps that are equal up to rounding
         real(wp), parameter :: same = 1.0e-9_wp
-        integer :: i, k, n
-        logical :: begins(pairs%n)
+        integer :: i, k
+        logical :: begins(range(1):range(2))
         integer, allocatable :: first(:)
 
-        n = pairs%n
-        if (n > 0) begins(1) = .true.
-        begins(2:) = pairs%zone(2:n) /= pairs%zone(:n - 1)
-        first = [pack([(i, i=1, n)], begins), n + 1]
+        begins = .true.
+        begins(range(1) + 1:) = pairs%zone(range(1) + 1:range(2)) &
+            & /= pairs%zone(range(1):range(2) - 1)
+        first = [pack([(i, i=range(1), range(2))], begins), range(2) + 1]
         allocate (runs(size(first) - 1))
         do k = 1, size(runs)
             associate (s => pairs%s_1(first(k):first(k + 1) - 1), &

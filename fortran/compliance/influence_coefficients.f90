@@ -12,7 +12,7 @@ module flankload_influence_coefficients
     implicit none
     private
 
-    public :: add_strips, normal_influences, smooth_compliance
+    public :: add_strips, normal_influences
 
 contains
 

@@ -1,28 +1,38 @@
 !> Displacements by modes between all places of all bodies, V g Vᵀ: the smooth part of K, in the
-!> plane and in slices.
+!> plane and in slices, whose V are means of the modes over a slice.
 module flankload_mode_field
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: compliance_type
+    use flankload_compliance_field, only: compliance_type, last_of_site
     use flankload_lapack, only: add_block, set_product
     implicit none
     private
 
     public :: places_type
-    public :: add_modes
+    public :: add_modes, add_tangential_modes
 
-    !> Places of one body at which forces of pairs act.
+    !> Places of one body at which forces act: at pairs, or at zones with one unknown each.
     type :: places_type
-        !> Indices of the pairs, ascending, shape (n)
+        !> Indices of these pairs or zones, ascending, shape (n)
         integer, allocatable :: of(:)
-        !> Sites of the body, shape (n)
-        integer, allocatable :: site(:)
+        !> Sites of the body, and its flanks: the slices of a flank share a number, shape (n)
+        integer, allocatable :: site(:), flank(:)
         !> Arc lengths, and widths of the cells there [mm], shape (n)
         real(wp), allocatable :: s(:), cell(:)
         !> Rotation of the forces from the normals of the flank towards increasing arc length, and
         !> that over its sharp tip [rad], shape (n)
         real(wp), allocatable :: turn(:), corner_turn(:)
+        !> Ends of their slices along the face width [mm], shape (2, n); not allocated in the plane
+        real(wp), allocatable :: edges(:, :)
         !> Values of the modes, shape (n_modes, n); no modes for a body with tables between nodes
         real(wp), allocatable :: values(:, :)
+        !> Force along flank 1 per unit normal force, shape (n); not allocated without friction
+        real(wp), allocatable :: friction(:)
+        !> Unit normal forces on a support, with their moments [mm], shape (3, n); not allocated
+        !> without a support
+        real(wp), allocatable :: on_support(:, :)
+        !> Unit forces on a shaft, normal to the flanks and along them, with their moments [mm],
+        !> shape (6, n); not allocated without a shaft
+        real(wp), allocatable :: on_shaft(:, :), along_shaft(:, :)
     end type places_type
 
     !> Number of columns that are computed together: as many as fit into the cache
@@ -31,27 +41,27 @@ module flankload_mode_field
 contains
 
     !> Add the displacements by modes to the lower triangle of K.
-    pure subroutine add_modes(bodies, places, flank, n, matrix)
+    pure subroutine add_modes(bodies, places, n, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: bodies(:)
-        !> Places of each body
+        !> Places of each body, those of a flank adjacent
         type(places_type), intent(in) :: places(:)
-        !> Flank pair of each pair, those of a flank pair adjacent, shape (n)
-        integer, intent(in) :: flank(:)
-        !> Number of pairs
+        !> Number of pairs or zones
         integer, intent(in) :: n
         !> K [mm/N] (of explicit shape, so that parts of it are passed in place)
         real(wp), intent(inout) :: matrix(n, n)
 
         integer :: b, m, first, last, row, row_last
-        integer :: at(n, size(bodies)), before(size(bodies) + 1)
+        integer :: at(n, size(bodies)), before(size(bodies) + 1), flank(n)
         real(wp), allocatable :: values(:, :), displaced(:, :)
 
         before(1) = 0
         at = 0
+        flank = 0
         do b = 1, size(bodies)
             before(b + 1) = before(b) + size(places(b)%values, 1)
             at(places(b)%of, b) = [(m, m=1, size(places(b)%of))]
+            flank(places(b)%of) = places(b)%flank
         end do
         m = before(size(before))
         allocate (values(m, n), displaced(m, panel), source=0.0_wp)
@@ -60,10 +70,10 @@ contains
         end do
         first = 1
         do while (first <= n)
-            last = min(last_of(flank, first), first + panel - 1)
+            last = min(last_of_site(flank, first), first + panel - 1)
             row = first
             do while (row <= n)
-                row_last = last_of(flank, row)
+                row_last = last_of_site(flank, row)
                 do b = 1, size(bodies)
                     call displace(bodies(b), places(b), at([row, first], b), last - first + 1, &
                         & before(b), m, displaced)
@@ -105,18 +115,40 @@ contains
             & places%site(at(1)))), places%values(:, at(2):), m, displaced(before + 1, 1))
     end subroutine displace
 
-    !> Return the last of the adjacent pairs of a flank pair.
-    pure integer function last_of(flank, first)
-        !> Flank pair of each pair
-        integer, intent(in) :: flank(:)
-        !> One of them
-        integer, intent(in) :: first
+    !> Add V g_t Vᵀ of one body for forces along the profile, with the displacement opposite to the
+    !> direction out of the material, Eq. (S4) without its near field: not symmetric.
+    pure subroutine add_tangential_modes(body, places, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Places of the body, those of a flank adjacent
+        type(places_type), intent(in) :: places
+        !> Normal displacement at place i per unit normal force at place j [mm/N], shape (n, n)
+        real(wp), intent(inout) :: matrix(:, :)
 
-        last_of = first
-        do while (last_of < size(flank))
-            if (flank(last_of + 1) /= flank(first)) exit
-            last_of = last_of + 1
+        integer :: m, j, first, last, row, row_last
+        real(wp), allocatable :: displaced(:, :), part(:, :)
+
+        if (.not. allocated(body%tangential)) return
+        m = size(places%values, 1)
+        allocate (displaced(m, size(places%of)), part(size(places%of), size(places%of)))
+        first = 1
+        do while (first <= size(places%of))
+            last = last_of_site(places%flank, first)
+            row = 1
+            do while (row <= size(places%of))
+                row_last = last_of_site(places%flank, row)
+                call set_product(m, last - first + 1, m, transpose(body%tangential(:, :, &
+                    & body%block(places%site(row), places%site(first)))), &
+                    & places%values(:, first:), m, displaced)
+                call set_product(row_last - row + 1, last - first + 1, m, places%values(:, row:), &
+                    & displaced, size(part, 1), part(row, first))
+                row = row_last + 1
+            end do
+            do j = first, last
+                matrix(:, j) = matrix(:, j) - places%friction(j)*part(:, j)
+            end do
+            first = last + 1
         end do
-    end function last_of
+    end subroutine add_tangential_modes
 
 end module flankload_mode_field

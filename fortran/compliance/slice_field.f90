@@ -10,7 +10,6 @@
 module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
-    use flankload_lapack, only: set_product
     use flankload_rounding, only: tie
     use flankload_line_potential, only: mean_potential
     use flankload_tangential_potential, only: segment_field
@@ -19,8 +18,8 @@ module flankload_slice_field
 
     public :: mirror_type, segment_type, shaft_type, slices_type
     public :: across_lines, add_segment_field, along_line, axial_means, corner_mirrors, &
-        & end_mirrors, flank_of, holds_slices, mean_width, middle_of, modes_of, slice_of, &
-        & sliced_compliance, sliced_tangential, tangential_field, width_of
+        & end_mirrors, holds_slices, mean_width, middle_of, modes_of, slice_of, tangential_field, &
+        & width_of
 
     !> Slices of the flanks: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
@@ -40,7 +39,7 @@ module flankload_slice_field
 
     !> Part of a contact line in a slice.
     type :: segment_type
-        !> Number of its flank pair, and 1 for working flanks, 2 for coast flanks
+        !> First site of its flank pair, and 1 for working flanks, 2 for coast flanks
         integer :: flank = 0, side = 1
         !> Axial position of the middle of the slice [mm], and cosine of the helix angle of the
         !> contact line
@@ -94,17 +93,6 @@ contains
         slice = modulo(site - 1, size(slices%edges) - 1) + 1
     end function slice_of
 
-    !> Return the flank pair of a site.
-    elemental function flank_of(slices, site) result(flank)
-        !> Slices
-        type(slices_type), intent(in) :: slices
-        !> Number of the site
-        integer, intent(in) :: site
-        integer :: flank
-
-        flank = (site - 1)/(size(slices%edges) - 1) + 1
-    end function flank_of
-
     !> Return the axial position of the middle of the slice of a site [mm].
     elemental function middle_of(slices, site) result(z)
         !> Slices
@@ -145,129 +133,38 @@ contains
         width = (slices%edges(n + 1) - slices%edges(1))/n
     end function mean_width
 
-    !> Return the means over each slice of the Legendre polynomials over the width of a body.
+    !> Return the means over a slice of the Legendre polynomials over the width of a body.
     pure function axial_means(compliance, edges) result(means)
         !> Compliance of the body
         type(compliance_type), intent(in) :: compliance
-        !> Axial positions of the ends of the slices [mm], shape (n + 1)
-        real(wp), intent(in) :: edges(:)
-        !> Mean values, shape (n_axial, n)
-        real(wp) :: means(compliance%n_axial, size(edges) - 1)
+        !> Axial positions of the ends of the slice [mm]
+        real(wp), intent(in) :: edges(2)
+        !> Mean values, shape (n_axial)
+        real(wp) :: means(compliance%n_axial)
 
-        integer :: b, n
-        real(wp) :: at(size(edges), 0:compliance%n_axial)
+        integer :: b
+        real(wp) :: at(2, 0:compliance%n_axial)
 
-        n = size(edges) - 1
         at(:, 0) = 1.0_wp
         at(:, 1) = (2.0_wp*edges - compliance%z_low - compliance%z_high) &
             & /(compliance%z_high - compliance%z_low)
         do b = 2, compliance%n_axial
             at(:, b) = ((2*b - 1)*at(:, 1)*at(:, b - 1) - (b - 1)*at(:, b - 2))/b
         end do
-        means(1, :) = 1.0_wp
+        means(1) = 1.0_wp
         do b = 1, compliance%n_axial - 1
             ! (2b+1) P_b is the derivative of P_{b+1} - P_{b-1}
-            means(b + 1, :) = (at(2:, b + 1) - at(2:, b - 1) - at(:n, b + 1) + at(:n, b - 1)) &
-                & /((2*b + 1)*(at(2:, 1) - at(:n, 1)))
+            means(b + 1) = (at(2, b + 1) - at(2, b - 1) - at(1, b + 1) + at(1, b - 1)) &
+                & /((2*b + 1)*(at(2, 1) - at(1, 1)))
         end do
     end function axial_means
 
-    !> Return the smooth part between points, one in each slice: V g Vᵀ of Eq. (S1), symmetric to
-    !> the last bit.
-    pure function sliced_compliance(body, slices, site, s) result(matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Slices
-        type(slices_type), intent(in) :: slices
-        !> Site of each point, those of a flank pair adjacent, and its arc length [mm], shape (n)
-        integer, intent(in) :: site(:)
-        real(wp), intent(in) :: s(:)
-        !> Compliance [mm/N], shape (n, n)
-        real(wp) :: matrix(size(s), size(s))
-
-        integer :: j
-
-        matrix = 0.0_wp
-        if (size(body%smooth) == 0) return
-        matrix = between_flanks(body, slices, site, s, body%smooth, reciprocal=.true.)
-        do j = 2, size(s)
-            matrix(:j - 1, j) = matrix(j, :j - 1)
-        end do
-    end function sliced_compliance
-
-    !> Return the same matrix for loads along the profile, Eq. (S4), without their near field: not
-    !> symmetric.
-    pure function sliced_tangential(body, slices, site, s) result(matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Slices
-        type(slices_type), intent(in) :: slices
-        !> Site of each point, those of a flank pair adjacent, and its arc length [mm], shape (n)
-        integer, intent(in) :: site(:)
-        real(wp), intent(in) :: s(:)
-        !> Displacement along the normal at point i under a unit force along the profile at point j,
-        !> towards increasing arc length [mm/N], shape (n, n)
-        real(wp) :: matrix(size(s), size(s))
-
-        matrix = 0.0_wp
-        if (allocated(body%tangential)) then
-            matrix = between_flanks(body, slices, site, s, body%tangential, reciprocal=.false.)
-        end if
-    end function sliced_tangential
-
-    !> Return V g Vᵀ between all flanks.
-    pure function between_flanks(body, slices, site, s, smooth, reciprocal) result(matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Slices
-        type(slices_type), intent(in) :: slices
-        !> Site of each point, those of a flank pair adjacent, and its arc length [mm], shape (n)
-        integer, intent(in) :: site(:)
-        real(wp), intent(in) :: s(:)
-        !> Compliance g between modes in blocks of the body, displacement by load [mm/N],
-        !> shape (m, m, n_blocks)
-        real(wp), intent(in) :: smooth(:, :, :)
-        !> True if each block is the transpose of the block with both flanks exchanged
-        logical, intent(in) :: reciprocal
-        !> Compliance [mm/N], shape (n, n)
-        real(wp) :: matrix(size(s), size(s))
-
-        integer :: first, last, other, other_last
-        integer :: m, n, flanks(size(s))
-        real(wp) :: values(size(smooth, 1), size(s)), displaced(size(smooth, 1), size(s))
-        real(wp) :: transposed(size(smooth, 1), size(smooth, 1)), part(size(s), size(s))
-
-        m = size(smooth, 1)
-        flanks = flank_of(slices, site)
-        values = modes_of(body, slices, site, s)
-        first = 1
-        do while (first <= size(s))
-            last = count(flanks <= flanks(first))
-            other = 1
-            do while (other <= size(s))
-                other_last = count(flanks <= flanks(other))
-                n = other_last - other + 1
-                transposed = smooth(:, :, body%block(site(other), site(first)))
-                if (.not. reciprocal) transposed = transpose(smooth(:, :, &
-                    & body%block(site(first), site(other))))
-                call set_product(m, n, m, transposed, values(:, other:), m, displaced)
-                call set_product(last - first + 1, n, m, values(:, first:), displaced, size(s), &
-                    & part)
-                matrix(first:last, other:other_last) = part(:last - first + 1, :n)
-                other = other_last + 1
-            end do
-            first = last + 1
-        end do
-    end function between_flanks
-
     !> Return the modes of the profile multiplied by the mean Legendre polynomials over the width.
-    pure function modes_of(body, slices, site, s, turn) result(values)
+    pure function modes_of(body, edges, s, turn) result(values)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Slices
-        type(slices_type), intent(in) :: slices
-        !> Site of each point and its arc length [mm], shape (n)
-        integer, intent(in) :: site(:)
+        !> Ends of the slice of each point [mm], shape (2, n), and its arc length [mm], shape (n)
+        real(wp), intent(in) :: edges(:, :)
         real(wp), intent(in) :: s(:)
         !> Rotation of the forces from the profile's normal [rad], shape (n); 0 by default
         real(wp), intent(in), optional :: turn(:)
@@ -276,16 +173,18 @@ contains
 
         integer :: i, a, b
         real(wp) :: along(size(s), size(body%smooth, 1)/body%n_axial)
-        real(wp) :: over(body%n_axial, size(slices%edges) - 1)
+        real(wp) :: over(body%n_axial)
 
         along = mode_values(body, s, turn)
-        over = axial_means(body, slices%edges)
         do i = 1, size(s)
+            if (i == 1) then
+                over = axial_means(body, edges(:, i))
+            else if (any(abs(edges(:, i) - edges(:, i - 1)) > 0.0_wp)) then
+                over = axial_means(body, edges(:, i))
+            end if
             do a = 1, size(along, 2)
                 do b = 1, body%n_axial
-                    ! Eq. (S1)
-                    values((a - 1)*body%n_axial + b, i) = along(i, a) &
-                        & *over(b, slice_of(slices, site(i)))
+                    values((a - 1)*body%n_axial + b, i) = along(i, a)*over(b)   ! Eq. (S1)
                 end do
             end do
         end do

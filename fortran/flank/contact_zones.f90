@@ -14,12 +14,12 @@ module flankload_contact_zones
     private
 
     public :: zone_type
-    public :: find_zones, member_of
+    public :: find_zones, in_slice, member_of
 
     !> A contact zone.
     type :: zone_type
-        !> Number of the site (flank pair)
-        integer :: site = 0
+        !> Number of the site (flank pair, or slice of one), and of the first site of its flank pair
+        integer :: site = 0, flank = 0
         !> Number of its mesh, numbers of the bodies of that mesh, and by how much their own numbers
         !> of its site exceed that number
         integer :: mesh = 1
@@ -40,6 +40,8 @@ module flankload_contact_zones
             & [3, 2])
         !> Length of flank 1 [mm]: reference for small lengths
         real(wp) :: flank_length = 0.0_wp
+        !> Ends of its slice along the face width [mm]; both 0 in plane problems
+        real(wp) :: edges(2) = 0.0_wp
         !> Twist of the flanks [rad/mm]; 0 in plane problems
         real(wp) :: twist = 0.0_wp
         !> Cosine of the angle between the normal and the transverse plane, and length of the
@@ -87,6 +89,15 @@ contains
         if (zone%body(2) == body) member = 2
         if (zone%body(1) == body) member = 1
     end function member_of
+
+    !> Return whether a zone is a slice of a contact line.
+    elemental function in_slice(zone) result(is_slice)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        logical :: is_slice
+
+        is_slice = zone%edges(2) > zone%edges(1)
+    end function in_slice
 
     !> Find all minima of the gap between two flanks.
     !>

@@ -13,11 +13,11 @@ module flankload_lumped_contacts
     use flankload_lumped_pass, only: lumped_system
     use flankload_lumped_place, only: near_field_of, reach_of, slide_place
     use flankload_position_zones, only: position_type
-    use flankload_slice_coupling, only: half_width_of
+    use flankload_zone_influence, only: half_width_of
     implicit none
     private
 
-    public :: differentiate_levers, follow_places, take_parabolas, update_contacts, widest_contact
+    public :: differentiate_levers, follow_places, take_parabolas, update_contacts, widest_contacts
 
 contains
 
@@ -77,7 +77,7 @@ contains
                 place%force = forces(z)
                 place%reach_slope = power*place%reach/place%force
                 call near_field_of(position%kernel(z), &
-                    & least_half_width(zone%flank_length), position%most_half_width, &
+                    & least_half_width(zone%flank_length), position%most_half_width(zone%mesh), &
                     & position%images(:, z), place)
                 pairs%cell_1(k) = cell_of(place%reach, zone%flank_length)
                 pairs%cell_2(k) = pairs%cell_1(k)
@@ -122,7 +122,7 @@ contains
                     & place%reach, place%reach_slope)
                 place%reach_slope = position%kernel(z)*place%reach_slope
                 call near_field_of(position%kernel(z), &
-                    & least_half_width(zone%flank_length), position%most_half_width, &
+                    & least_half_width(zone%flank_length), position%most_half_width(zone%mesh), &
                     & position%images(:, z), place)
                 call append_place(position, z, place%reach, pairs, found)
                 if (.not. found) then
@@ -147,22 +147,26 @@ contains
         end do
     end subroutine update_contacts
 
-    !> Return the half-width of the widest contact that carries load [mm].
-    pure function widest_contact(system, forces) result(widest)
+    !> Return the half-width of the widest contact of each mesh that carries load [mm].
+    pure function widest_contacts(position, system, forces) result(widest)
+        !> The position
+        type(position_type), intent(in) :: position
         !> Lumped contacts
         type(lumped_system), intent(in) :: system
         !> Forces of the zones [N], shape (zones)
         real(wp), intent(in) :: forces(:)
-        real(wp) :: widest
+        real(wp) :: widest(size(position%most_half_width))
 
         integer :: k
 
         widest = 0.0_wp
         do k = 1, size(system%of)
-            if (.not. forces(system%of(k)) > 0.0_wp) cycle
-            widest = max(widest, 0.5_wp*sum(system%places(system%of(k))%reach))
+            associate (z => system%of(k))
+                if (forces(z) > 0.0_wp) widest(position%zones(z)%mesh) = &
+                    & max(widest(position%zones(z)%mesh), 0.5_wp*sum(system%places(z)%reach))
+            end associate
         end do
-    end function widest_contact
+    end function widest_contacts
 
     !> Append the pair of a contact.
     pure subroutine append_place(position, z, reach, pairs, found)

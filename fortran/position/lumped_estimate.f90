@@ -15,7 +15,6 @@ module flankload_lumped_estimate
     use flankload_near_field, only: image_displacement
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state
-    use flankload_slice_field, only: flank_of, slices_type
     implicit none
     private
 
@@ -109,11 +108,9 @@ contains
 
     !> Estimate the forces of slices, of which there may be many: at once, with contacts that are
     !> all as wide as the widest one.
-    pure subroutine estimate_slices(position, slices, loads, forces, motion, state, error)
+    pure subroutine estimate_slices(position, loads, forces, motion, state, error)
         !> The position
         type(position_type), intent(in) :: position
-        !> The slices
-        type(slices_type), intent(in) :: slices
         !> Loads of the motions, shape (motions)
         real(wp), intent(in) :: loads(:)
         !> Forces [N], shape (zones)
@@ -125,14 +122,13 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: z, first, flanks(size(forces))
+        integer :: z, first
         logical :: solved, starts(size(forces))
         real(wp) :: width, image, unused(2)
         real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), size(loads))
         real(wp) :: gaps(size(forces))
         type(contact_result) :: contact
 
-        flanks = flank_of(slices, position%zones%site)
         matrix = position%coupling
         do z = 1, size(forces)
             width = max(position%widest(z), least_half_width(position%zones(z)%flank_length))
@@ -146,7 +142,8 @@ contains
         if (all(levers > 0.0_wp)) then
             ! one flank alone would need a larger rotation of body 1: no contact touches beyond
             first = minloc(position%gap, dim=1)
-            forces = merge(full_forces(position, loads), 0.0_wp, flanks == flanks(first))
+            forces = merge(full_forces(position, loads), 0.0_wp, &
+                & position%zones%flank == position%zones(first)%flank)
             starts = position%gap <= position%gap(first) &
                 & + dot_product(forces, matmul(matrix, forces))/loads(1)
         end if

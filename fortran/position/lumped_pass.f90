@@ -6,21 +6,16 @@
 !> linearized about the last forces, and the contact loop solves the linear problem.
 module flankload_lumped_pass
     use flankload_kinds, only: wp
-    use flankload_rounding, only: tie
-    use flankload_polar_geometry, only: angle_between, turned
-    use flankload_contact_zones, only: member_of, zone_type
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
     use flankload_lapack, only: potrf, solve_cholesky
-    use flankload_lumped_hertz, only: usual_half_width
     use flankload_lumped_place, only: place_type
     use flankload_mesh, only: body_type, has_friction, mesh_type
     use flankload_motion_rows, only: rates_of, solve_motions
-    use flankload_position_zones, only: place_on, position_type
+    use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state, take_contact
-    use flankload_tangential_influence, only: add_tangential
-    use flankload_turned_influence, only: add_turned
+    use flankload_zone_influence, only: add_other_influences
     implicit none
     private
 
@@ -70,67 +65,16 @@ contains
         !> Contacts; their indices and compliances are set
         type(lumped_system), intent(inout) :: system
 
-        integer :: b, k, n
-        integer, allocatable :: at(:), of(:), site(:)
-        real(wp), allocatable :: s(:), turn(:), width(:), part(:, :)
-        real(wp) :: ones(count(included))
+        integer :: k, n
 
         system%of = pack([(k, k=1, size(included))], included)
         n = size(system%of)
         system%coupling = position%coupling(system%of, system%of)
         if (allocated(system%tangential)) deallocate (system%tangential)
-        if (.not. has_friction(meshes)) then
-            allocate (system%tangential(n, 0))
-        else if (allocated(position%tangential)) then
-            system%tangential = position%tangential(system%of, system%of)
-        else
-            allocate (system%tangential(n, n), source=0.0_wp)
-        end if
-        ones = 1.0_wp
-        do b = 1, size(bodies)
-            associate (zones => position%zones(system%of), body => bodies(b)%compliance)
-                at = member_of(zones, b)
-                of = pack([(k, k=1, n)], at > 0)
-                at = at(of)
-                site = [(zones(of(k))%site + zones(of(k))%offset(at(k)), k=1, size(of))]
-                s = place_on(zones(of), at)
-                ! images of forces along the flank are at least this width away
-                width = 2.0_wp*usual_half_width*zones(of)%flank_length
-                if (allocated(body%turned)) then
-                    turn = corner_turn(body%s_high, zones(of), at)
-                    part = system%coupling(of, of)
-                    call add_turned(body, site, s, width, turn, part)
-                    system%coupling(of, of) = part
-                end if
-                if (size(system%tangential, 2) > 0 .and. .not. allocated(position%tangential)) then
-                    call add_tangential(body, site, s, width, ones, system%tangential)
-                end if
-            end associate
-        end do
+        allocate (system%tangential(n, merge(n, 0, has_friction(meshes))))
+        call add_other_influences(bodies, meshes, position%zones(system%of), system%coupling, &
+            & system%tangential)
     end subroutine couple
-
-    !> Return the angle by which the force at a sharp tip of a body is turned from the normal of its
-    !> flank towards increasing arc length [rad]: halfway to the normal of the other flank. Away
-    !> from corners, both flanks have the same normal at the point of least gap.
-    elemental function corner_turn(s_high, zone, body) result(turn)
-        !> Arc length at the end of the flank's modes [mm]
-        real(wp), intent(in) :: s_high
-        !> The zone
-        type(zone_type), intent(in) :: zone
-        !> Flank, 1 or 2
-        integer, intent(in) :: body
-        real(wp) :: turn
-
-        turn = 0.0_wp
-        if (zone%corner /= body) return
-        associate (nearest => zone%nearest)
-            if (place_on(zone, body) < s_high*(1.0_wp - tie)) return
-            ! body 1 rotates by the gap angle until both touch; tangents point to either tip
-            turn = 0.5_wp*angle_between(turned(nearest%tangent_1, nearest%gap_angle), &
-                & -nearest%tangent_2)
-            if (body == 1) turn = -turn
-        end associate
-    end function corner_turn
 
     !> Linearize the equations about the last forces, and solve them by the contact loop.
     pure subroutine solve_pass(meshes, position, system, secant, forces, state, error)

@@ -10,12 +10,12 @@ module flankload_lumped_position
     use flankload_status, only: code_conforms, code_unsettled_widths, site_not_parabolic, &
         & site_off_corners
     use flankload_error, only: error_type, fatal_error
-    use flankload_contact_zones, only: zone_type
+    use flankload_contact_zones, only: in_slice, zone_type
     use flankload_contact_reach, only: is_level
     use flankload_contact_pairs, only: reserve_pairs
     use flankload_mesh, only: body_type, mesh_type
     use flankload_lumped_contacts, only: differentiate_levers, follow_places, take_parabolas, &
-        & update_contacts, widest_contact
+        & update_contacts, widest_contacts
     use flankload_lumped_estimate, only: estimate_forces, estimate_slices, full_forces
     use flankload_lumped_hertz, only: least_load_share
     use flankload_lumped_pass, only: couple, lumped_system, solve_pass, step_places
@@ -24,7 +24,7 @@ module flankload_lumped_position
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, may_touch, position_state, &
         & would_touch
-    use flankload_slice_coupling, only: half_width_of, load_slices, widen_slices
+    use flankload_zone_influence, only: half_width_of, load_slices, widen_slices
     implicit none
     private
 
@@ -131,24 +131,24 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: z
+        integer :: m, z
         real(wp) :: motion(size(loads))
 
-        if (allocated(meshes(1)%slices)) then
+        if (any(in_slice(position%zones))) then
             if (any(is_level(position%zones))) then
                 call fatal_error(error, code_conforms)
                 return
             end if
             call load_slices(bodies, meshes, full_forces(position, loads), position)
-            call estimate_slices(position, meshes(1)%slices, loads, forces, motion, state, error)
+            call estimate_slices(position, loads, forces, motion, state, error)
         else
             call estimate_forces(position, position%zones%curvature, loads, forces, motion, &
                 & state, error)
         end if
         if (allocated(error)) return
         included = forces > 0.0_wp .or. may_touch(position, motion)
-        if (allocated(meshes(1)%slices)) call widen_slices(bodies, meshes, &
-            & maxval([(half_width_of(position, z, forces(z)), z=1, size(forces))]), position)
+        call widen_slices(bodies, meshes, [(maxval([(half_width_of(position, z, forces(z)), z=1, &
+            & size(forces))], mask=position%zones%mesh == m), m=1, size(meshes))], position)
     end subroutine begin
 
     !> Include other contacts that touch, and widen slices whose contacts are wider than K allows.
@@ -168,12 +168,13 @@ contains
         !> True if there are neither
         logical, intent(out) :: complete
 
-        real(wp) :: widest
+        real(wp) :: widest(size(meshes))
 
         complete = .not. any(would_touch(position, forces, motion) .and. .not. included)
         included = included .or. would_touch(position, forces, motion)
-        widest = widest_contact(system, forces)
-        if (widest <= position%most_half_width) return
+        widest = widest_contacts(position, system, forces)
+        where (widest <= position%most_half_width) widest = 0.0_wp
+        if (.not. any(widest > 0.0_wp)) return
         complete = .false.
         call widen_slices(bodies, meshes, widest, position)
         system%of = system%of(:0)

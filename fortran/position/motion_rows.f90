@@ -13,7 +13,7 @@ module flankload_motion_rows
     private
 
     public :: closed_by_displacements, in_fixed_frame, pair_rates, rates_of, zone_rates
-    public :: displace_pairs, solve_motions
+    public :: displace_pairs, solve_motions, turned_to_fixed_frame
 
 contains
 
@@ -37,6 +37,19 @@ contains
             fixed(3, :) = sense*closing(3, :)
         end associate
     end function in_fixed_frame
+
+    !> Return a vector of the frame of a mesh in the fixed frame.
+    pure function turned_to_fixed_frame(mesh, vector) result(fixed)
+        !> The mesh
+        type(mesh_type), intent(in) :: mesh
+        !> Components along x and y
+        real(wp), intent(in) :: vector(2)
+        real(wp) :: fixed(2)
+
+        associate (along => mesh%direction, y => mesh%sense*vector(2))
+            fixed = [along(1)*vector(1) - along(2)*y, along(2)*vector(1) + along(1)*y]
+        end associate
+    end function turned_to_fixed_frame
 
     !> Return the rates of the motions.
     pure function rates_of(motions, mesh, side, closing) result(rates)

@@ -6,7 +6,7 @@ module flankload_position_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_ordering, only: ascending_order
     use flankload_rounding, only: tie
-    use flankload_contact_zones, only: zone_type
+    use flankload_contact_zones, only: in_slice, zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
     use flankload_contact_reach, only: edges_within, zone_reach
     use flankload_contact_grid, only: grid_type, lay_cells, part_neighbours, wanted_grid
@@ -18,7 +18,6 @@ module flankload_position_cells
     use flankload_mesh, only: body_type, grid_settings, has_friction, mesh_type
     use flankload_motion_rows, only: displace_pairs
     use flankload_position_zones, only: position_type
-    use flankload_slice_field, only: flank_of, slices_type
     implicit none
     private
 
@@ -41,8 +40,8 @@ module flankload_position_cells
         real(wp), allocatable :: reach(:, :)
         !> Grids of the zones, shape (zones)
         type(grid_type), allocatable :: grids(:)
-        !> True if the zones are slices of flanks
-        logical :: in_slices = .false.
+        !> True for slices of flanks, shape (zones)
+        logical, allocatable :: in_slices(:)
     end type cells_type
 
     !> Factor by which a grid is widened if a force acts on its last cell.
@@ -73,8 +72,8 @@ contains
         cells%included = included
         cells%estimate = estimate
         cells%least = least_load_share*full
-        cells%in_slices = position%in_slices
-        if (cells%in_slices) cells%least = slice_part*full
+        cells%in_slices = in_slice(position%zones)
+        where (cells%in_slices) cells%least = slice_part*full
         if (any(position%zones%side < 0.0_wp)) then
             ! flanks that are pressed against each other across a tooth carry more than the torque
             cells%least = max(cells%least, least_load_share*maxval(estimate))
@@ -145,7 +144,7 @@ contains
                     & meshes(zones(z)%mesh)%grid%corner_strips_per_half_width)
             end do
             call part_grids(position, cells%included, grids)
-            if (cells%in_slices) call take_one_width(meshes(1)%slices, zones, cells)
+            call take_one_width(zones, cells)
             do z = 1, size(zones)
                 if (cells%included(z)) call lay_cells_of(zones(z), grids(z))
             end do
@@ -185,28 +184,24 @@ contains
     !> Give all slices of a flank the same cell width, the force-weighted mean of the widths wanted:
     !> influence coefficients between slices then follow from one table. Grids that are refined
     !> around an edge are not changed.
-    pure subroutine take_one_width(slices, zones, cells)
-        !> The slices
-        type(slices_type), intent(in) :: slices
+    pure subroutine take_one_width(zones, cells)
         !> The zones
         type(zone_type), intent(in) :: zones(:)
         !> Cells; their grids are known except for the positions of the cells
         type(cells_type), intent(inout) :: cells
 
         integer :: z
-        integer :: flanks(size(zones))
         logical :: even(size(zones))
         real(wp) :: wanted(size(zones))
 
-        even = cells%included
+        even = cells%included .and. cells%in_slices
         do z = 1, size(zones)
             if (allocated(cells%grids(z)%edges)) even(z) = .false.
         end do
-        flanks = flank_of(slices, zones%site)
         wanted = cells%grids%cell
         do z = 1, size(zones)
-            if (even(z)) cells%grids(z)%cell = sum(cells%part*wanted, mask=even .and. flanks &
-                & == flanks(z))/sum(cells%part, mask=even .and. flanks == flanks(z))
+            if (even(z)) cells%grids(z)%cell = sum(cells%part*wanted, mask=even .and. zones%flank &
+                & == zones(z)%flank)/sum(cells%part, mask=even .and. zones%flank == zones(z)%flank)
         end do
     end subroutine take_one_width
 
@@ -259,7 +254,7 @@ contains
         real(wp) :: times(2)
 
         times = 1.0_wp
-        if (.not. cells%in_slices) return
+        if (.not. cells%in_slices(z)) return
         associate (reach => cells%reach(:, z))
             times = 1.0_wp + max(0.0_wp, reach - reach(2:1:-1))/reach
         end associate
@@ -312,7 +307,7 @@ contains
         end do
         warm = pack([(i, i=1, pairs%n)], expected)
         ! pairs at the edges leave first: at the end of the factor they are cheap to remove
-        if (cells%in_slices) warm = warm(ascending_order(depth(warm)))
+        if (any(cells%in_slices)) warm = warm(ascending_order(depth(warm)))
     end function expected_pairs
 
     !> Widen grids with a force on their last cell, and sum the forces of each zone.
@@ -346,8 +341,8 @@ contains
                 settled = .false.
             end if
             ! slices share one cell width, which is fine enough while no force acts on a last cell
-            if (.not. cells%in_slices) wanted = max(cells%estimate(z), cells%least(z))
-            if (cells%in_slices) wanted = cells%part(z)
+            wanted = merge(cells%part(z), max(cells%estimate(z), cells%least(z)), &
+                & cells%in_slices(z))
             if (wanted > too_far*cells%part(z) .or. cells%part(z) > too_far*wanted) then
                 settled = .false.
             end if

@@ -3,16 +3,18 @@
 !> cells would touch.
 module flankload_position_load
     use flankload_kinds, only: wp
-    use flankload_status, only: code_conforms, code_one_mesh_only, code_unsettled_cells
+    use flankload_status, only: code_conforms, code_not_in_slices, code_one_mesh_only, &
+        & code_unsettled_cells
     use flankload_error, only: error_type, fatal_error
     use flankload_conforming_slices, only: place_heights, solve_heights
-    use flankload_contact_zones, only: zone_type
+    use flankload_compliance_field, only: compliance_type
+    use flankload_contact_zones, only: in_slice, zone_type
     use flankload_lumped_estimate, only: estimate_forces, full_forces
     use flankload_lumped_position, only: solve_lumped
-    use flankload_slice_coupling, only: check_slices, couple_slices
-    use flankload_slice_field, only: flank_of
-    use flankload_mesh, only: body_type, configuration_type, level_lumped, mesh_type, motion_type
+    use flankload_mesh, only: body_type, configuration_type, level_lumped, level_pairs, &
+        & mesh_type, motion_type
     use flankload_position_zones, only: locate_contacts, position_type
+    use flankload_zone_influence, only: couple_zones
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, lay_pairs, &
         & measure_reach, new_cells, reached_curvatures
     use flankload_known_contact, only: known_contact, solve_known
@@ -62,7 +64,7 @@ contains
         located = .false.
         if (present(room)) call move_alloc(room, position%room)
         do t = 1, size(states)
-            if (.not. located) call locate(loads(:, t), .not. allocated(meshes(1)%slices), position)
+            if (.not. located) call locate(loads(:, t), .false., position)
             located = .not. (allocated(error) .or. position%conforms)
             contact = known_contact()
             if (present(known)) contact = known(t)
@@ -92,8 +94,7 @@ contains
 
             real(wp), allocatable :: kept(:)
 
-            if (allocated(meshes(1)%slices)) call check_slices(bodies, meshes, error)
-            if (.not. allocated(error)) call check_meshes(meshes, size(motions), error)
+            call check_meshes(bodies, meshes, size(motions), error)
             if (allocated(error)) return
             if (allocated(meshes(1)%height)) then
                 call place_heights(bodies, meshes, motions, configuration%angles(:, 1), at)
@@ -103,34 +104,58 @@ contains
             call locate_contacts(bodies, meshes, motions, configuration, load, everywhere, at, &
                 & error)
             call move_alloc(kept, at%room)
-            if (at%in_slices .and. .not. allocated(error)) call couple_slices(bodies, meshes, at)
+            if (.not. allocated(error)) call couple_zones(bodies, meshes, at)
         end subroutine locate
 
     end subroutine solve_position
 
     !> Report an error for several meshes or motions with what is defined for one mesh and the
-    !> rotation of body 1 only: slices, finite forces, and friction, whose state may not be unique.
-    pure subroutine check_meshes(meshes, n_motions, error)
-        !> The meshes, and the number of motions
+    !> rotation of body 1 only: slices that conform, finite forces, and friction, whose state may
+    !> not be unique; and for input that slices do not support.
+    pure subroutine check_meshes(bodies, meshes, n_motions, error)
+        !> The bodies, their meshes, and the number of motions
+        type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
         integer, intent(in) :: n_motions
         !> Set if the input is not supported
         type(error_type), allocatable, intent(out) :: error
 
         integer :: m
+        logical :: refused
 
-        if (size(meshes) == 1 .and. n_motions == 1) return
         do m = 1, size(meshes)
-            if (allocated(meshes(m)%slices) .or. allocated(meshes(m)%friction) &
-                & .or. meshes(m)%grid%finite_steps > 0) then
-                call fatal_error(error, code_one_mesh_only)
-                return
-            end if
+            if (.not. allocated(meshes(m)%slices)) cycle
+            associate (mesh => meshes(m), one => bodies(meshes(m)%bodies(1)), &
+                & two => bodies(meshes(m)%bodies(2)))
+                refused = is_plane_only(one%compliance) .or. is_plane_only(two%compliance)
+                if (allocated(mesh%height)) refused = refused .or. allocated(mesh%friction)
+                if (allocated(mesh%height) .or. mesh%grid%level == level_pairs) refused = refused &
+                    & .or. mesh%grid%finite_steps > 0
+            end associate
+            if (refused) call fatal_error(error, code_not_in_slices)
+            if (refused) return
         end do
-        if (any(meshes%grid%level /= meshes(1)%grid%level)) then
-            call fatal_error(error, code_one_mesh_only)
-        end if
+        if (size(meshes) == 1 .and. n_motions == 1) return
+        refused = any(meshes%grid%level /= meshes(1)%grid%level .or. meshes%grid%finite_steps > 0)
+        do m = 1, size(meshes)
+            refused = refused .or. allocated(meshes(m)%height) .or. allocated(meshes(m)%friction)
+        end do
+        if (refused) call fatal_error(error, code_one_mesh_only)
     end subroutine check_meshes
+
+    !> Return whether a compliance has parts that are defined for plane sections only.
+    pure function is_plane_only(compliance) result(is_plane)
+        !> The compliance
+        type(compliance_type), intent(in) :: compliance
+        logical :: is_plane
+
+        is_plane = allocated(compliance%nodes) .or. allocated(compliance%shift) &
+            & .or. compliance%closed
+        ! modes of loads along the profile are those of normal loads, each multiplied by all
+        ! polynomials over the face width
+        if (allocated(compliance%tangential)) is_plane = is_plane &
+            & .or. size(compliance%tangential, 2) /= size(compliance%tangential, 1)
+    end function is_plane_only
 
     !> Solve a position for one case of loads.
     subroutine solve_loads(bodies, meshes, loads, contact, position, state, error)
@@ -176,12 +201,21 @@ contains
         logical :: may
 
         real(wp), parameter :: enough = 2.0_wp
+        integer :: m
         real(wp) :: least
+        real(wp), allocatable :: closed(:)
 
-        may = position%unseen < huge(1.0_wp)
+        may = .false.
+        if (.not. allocated(position%unseen)) return
+        may = any(position%unseen < huge(1.0_wp))
         if (.not. may .or. failed) return
-        least = minval(position%gap)
-        may = .not. position%unseen > least + enough*abs(state%motion(1) - least)
+        closed = matmul(position%rates, state%motion)
+        do m = 1, size(position%unseen)
+            least = minval(position%gap, mask=position%zones%mesh == m)
+            may = .not. position%unseen(m) > least + enough*maxval(abs(closed - least), &
+                & mask=position%zones%mesh == m .and. position%zones%side > 0.0_wp)
+            if (may) return
+        end do
     end function may_miss
 
     !> Solve a position for one case of loads on cells.
@@ -205,7 +239,7 @@ contains
         logical, allocatable :: touches(:)
         logical :: settled
 
-        if (allocated(meshes(1)%slices)) then
+        if (any(in_slice(position%zones))) then
             call expect_in_slices(bodies, meshes, position, loads, cells, state, error)
         else
             call expect_cells(meshes(1), position, loads, cells, state, error)
@@ -301,7 +335,7 @@ contains
         !> Set if the lumped contact has no solution
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: k, first
+        integer :: k, m, first
         real(wp) :: estimate(size(position%zones))
         type(position_state) :: lumped
 
@@ -320,13 +354,18 @@ contains
             return
         else
             ! contacts hardly longer than wide are no line contacts: spread the load evenly over the
-            ! flank that touches first
+            ! flank of each mesh that touches first
             deallocate (error)
-            associate (flanks => flank_of(meshes(1)%slices, position%zones%site))
-                first = minloc(position%gap, dim=1, mask=position%zones%side > 0.0_wp)
-                estimate = merge(full_forces(position, loads), 0.0_wp, flanks == flanks(first))
+            associate (zones => position%zones)
+                do m = 1, size(meshes)
+                    first = minloc(position%gap, dim=1, mask=zones%side > 0.0_wp &
+                        & .and. zones%mesh == m)
+                    where (zones%flank == zones(first)%flank) estimate = full_forces(position, &
+                        & loads)
+                end do
             end associate
-            lumped%motion = position%gap(first)
+            lumped%motion = 0.0_wp
+            if (size(loads) == 1) lumped%motion = position%gap(first)
         end if
         cells = new_cells(position, full_forces(position, loads), estimate, estimate > 0.0_wp &
             & .or. may_touch(position, lumped%motion), meshes(1)%grid)

@@ -10,21 +10,17 @@ module flankload_position_zones
     use flankload_circle_pair, only: facing_type, flank_type
     use flankload_coarse_gap, only: coarse_gap
     use flankload_contact_pairs, only: closing_of
-    use flankload_contact_zones, only: find_zones, member_of, zone_type
-    use flankload_influence_coefficients, only: smooth_compliance
-    use flankload_lumped_hertz, only: least_half_width, usual_half_width
+    use flankload_contact_zones, only: find_zones, zone_type
     use flankload_mesh, only: body_type, configuration_type, mesh_type, motion_type, rotation
-    use flankload_motion_rows, only: closed_by_displacements, in_fixed_frame, zone_rates
+    use flankload_motion_rows, only: closed_by_displacements, zone_rates
     use flankload_polar_geometry, only: turned
-    use flankload_near_field, only: image_displacement, image_type, &
-        & near_field_between, new_image
+    use flankload_near_field, only: image_type
     use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
-    use flankload_support_influence, only: add_support
     implicit none
     private
 
     public :: position_type
-    public :: locate_contacts, lever_share, place_on
+    public :: locate_contacts
 
     !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
@@ -48,28 +44,24 @@ module flankload_position_zones
         !> are none
         type(zone_type), allocatable :: ends(:)
         real(wp), allocatable :: end_gap(:), end_rates(:, :)
-        !> Lower bound of the gap angle of all sites that were not searched [rad]
-        real(wp) :: unseen = huge(1.0_wp)
+        !> Lower bound of the gap angle of all sites of a mesh that were not searched [rad], shape
+        !> (meshes)
+        real(wp), allocatable :: unseen(:)
         !> Compliance of both bodies between the zones: normal displacement at i per unit force at
         !> j, without the near field of i itself [mm/N], shape (zones, zones)
         real(wp), allocatable :: coupling(:, :)
-        !> Smooth part of that compliance in three dimensions, where near fields depend on the
-        !> torque [mm/N], shape (zones, zones)
-        real(wp), allocatable :: smooth(:, :)
-        !> With friction of slices: normal displacement at zone i per unit force along flank 1 at j
+        !> That compliance without near fields, which in three dimensions depend on the torque
         !> [mm/N], shape (zones, zones)
-        real(wp), allocatable :: tangential(:, :)
+        real(wp), allocatable :: smooth(:, :)
         !> Sum c of both bodies, the factor of the logarithm [mm/N], shape (zones)
         real(wp), allocatable :: kernel(:)
         !> Largest half-width of a contact for estimates of the forces [mm], shape (zones)
         real(wp), allocatable :: widest(:)
-        !> Half-width up to which K between slices is definite [mm]
-        real(wp) :: most_half_width = huge(1.0_wp)
+        !> Half-width up to which K between the slices of a mesh is definite [mm], shape (meshes)
+        real(wp), allocatable :: most_half_width(:)
         !> Share of a slice in a load that is spread evenly along the face width, 1 in the plane,
         !> shape (zones)
         real(wp), allocatable :: part(:)
-        !> True if the zones are slices of flanks
-        logical :: in_slices = .false.
         !> Mirror images of the zones behind the ends of flank 1 and of flank 2, shape (2, zones)
         type(image_type), allocatable :: images(:, :)
         !> True if flanks conform: the zones are then valid only for the torque for which they were
@@ -94,7 +86,7 @@ module flankload_position_zones
 
 contains
 
-    !> Find the points of least gap, and the compliance between them in the plane.
+    !> Find the points of least gap.
     subroutine locate_contacts(bodies, meshes, motions, configuration, loads, everywhere, &
             & position, error)
         !> The bodies, their meshes and their motions
@@ -113,6 +105,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: m, first
+        real(wp) :: unseen
         logical, allocatable :: faces(:)
         type(zone_type), allocatable :: zones(:), found(:)
 
@@ -122,12 +115,13 @@ contains
         end if
         if (allocated(configuration%speeds)) position%speeds = configuration%speeds
         allocate (position%facing(sum(meshes%n_sites)), position%deviation(sum(meshes%n_sites)), &
-            & faces(sum(meshes%n_sites)))
-        allocate (zones(0))
+            & faces(sum(meshes%n_sites)), zones(0))
+        allocate (position%unseen(size(meshes)), source=huge(1.0_wp))
         first = 1
         do m = 1, size(meshes)
-            call place_flanks(bodies, meshes(m), configuration%angles(:, m), everywhere, first, &
-                & position, faces)
+            call place_flanks(bodies, meshes(m), configuration%angles(:, m), everywhere &
+                & .or. .not. allocated(meshes(m)%slices), first, position, faces, unseen)
+            position%unseen(m) = unseen
             call search_sites(bodies, meshes(m), faces, first, loads, position, found, error)
             if (allocated(error)) return
             found%mesh = m
@@ -146,12 +140,10 @@ contains
         position%rates = zone_rates(motions, meshes, position%zones)
         position%gap = gaps_without_load(bodies, meshes, position, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
-        position%in_slices = allocated(meshes(1)%slices)
-        if (.not. position%in_slices) call couple_zones(bodies, meshes, position)
     end subroutine locate_contacts
 
     !> Compute the frames of the flanks of a mesh, and choose the sites to be searched.
-    subroutine place_flanks(bodies, mesh, angles, everywhere, first, position, faces)
+    subroutine place_flanks(bodies, mesh, angles, everywhere, first, position, faces, unseen)
         !> The bodies, and the mesh
         type(body_type), target, intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: mesh
@@ -161,10 +153,12 @@ contains
         logical, intent(in) :: everywhere
         !> Its first site
         integer, intent(in) :: first
-        !> Position; its frames and the bound of the sites that are not searched are set
+        !> Position; its frames are set
         type(position_type), intent(inout) :: position
         !> True for sites to be searched, shape (sites)
         logical, intent(inout) :: faces(:)
+        !> Lower bound of the gap angle of the others [rad]
+        real(wp), intent(out) :: unseen
 
         !> Least lever relative to the radius: no flank is steeper.
         real(wp), parameter :: least_lever = 0.5_wp
@@ -207,6 +201,7 @@ contains
                 bounds(k) = coarse_gap(position%facing(site))
             end if
         end do
+        unseen = huge(1.0_wp)
         if (everywhere) return
         ! flanks of all slices have the same radii
         associate (flank => position%facing(first)%flank_1, faces => faces(first:last), &
@@ -216,7 +211,7 @@ contains
             bounds = bounds - max(0.0_wp, deviation)/(least_lever*radius(1)) &
                 & - min(0.0_wp, deviation)/radius(2)
             faces = faces .and. bounds <= minval(bounds) + search_margin*length/radius(2)
-            position%unseen = min(position%unseen, minval(bounds, mask=.not. faces))
+            unseen = minval(bounds, mask=.not. faces)
         end associate
     end subroutine place_flanks
 
@@ -250,7 +245,7 @@ contains
         !> or none
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: k, site, n_zones, before
+        integer :: k, site, n_zones, before, slice
         real(wp) :: closed_moment
         logical :: lost, conforms
 
@@ -293,6 +288,11 @@ contains
                 found(k)%body = mesh%bodies
                 found(k)%offset = mesh%offset + 1 - first
                 found(k)%flank_length = curve_length(position%facing(first)%flank_1%curve)
+                found(k)%flank = found(k)%site
+                if (.not. allocated(mesh%slices)) cycle
+                slice = slice_of(mesh%slices, found(k)%site - first + 1)
+                found(k)%edges = mesh%slices%edges(slice:slice + 1)
+                found(k)%flank = found(k)%site - slice + 1
             end do
         end associate
     end subroutine search_sites
@@ -392,108 +392,6 @@ contains
         before = last
     end subroutine repeat_zones
 
-    !> Compute the compliance between the zones of a plane position, and the weights of their
-    !> levers.
-    pure subroutine couple_zones(bodies, meshes, position)
-        !> The bodies, and their meshes
-        type(body_type), intent(in) :: bodies(:)
-        type(mesh_type), intent(in) :: meshes(:)
-        !> The position
-        type(position_type), intent(inout) :: position
-
-        integer :: b, m, n, z
-        integer, allocatable :: at(:), of(:)
-        real(wp), allocatable :: s(:), own(:, :), alone(:, :), kernel(:, :)
-
-        n = size(position%zones)
-        allocate (position%kernel(n), position%coupling(n, n), alone(2, n), kernel(2, n), &
-            & source=0.0_wp)
-        allocate (position%part(n), source=1.0_wp)
-        allocate (position%images(2, n))
-        do b = 1, size(bodies)
-            associate (zones => position%zones, body => bodies(b)%compliance)
-                at = member_of(zones, b)
-                of = pack([(z, z=1, n)], at > 0)
-                at = at(of)
-                s = place_on(zones(of), at)
-                own = smooth_compliance(body, [(zones(of(z))%site + zones(of(z))%offset(at(z)), &
-                    & z=1, size(of))], s)
-                do z = 1, size(of)
-                    alone(at(z), of(z)) = own(z, z)
-                    kernel(at(z), of(z)) = body%kernel
-                    position%images(at(z), of(z)) = new_image(body, s(z), at(z))
-                end do
-                position%coupling(of, of) = position%coupling(of, of) + own
-                if (allocated(bodies(b)%support)) call add_support(bodies(b)%support, &
-                    & wrenches_at(meshes, zones(of), at), of, position%coupling)
-            end associate
-        end do
-        position%kernel = kernel(1, :) + kernel(2, :)
-        call add_far_fields(bodies, position%zones, position%coupling)
-        do m = 1, size(meshes)
-            of = pack([(z, z=1, n)], position%zones%mesh == m)
-            position%zones(of)%lever_share = lever_share(alone(1, of), alone(2, of), &
-                & kernel(1, of), kernel(2, of), position%images(:, of), &
-                & position%zones(of(1))%flank_length)
-        end do
-    end subroutine couple_zones
-
-    !> Return the arc length of the point of least gap on one of both flanks [mm].
-    elemental function place_on(zone, flank) result(s)
-        !> The zone
-        type(zone_type), intent(in) :: zone
-        !> 1 or 2
-        integer, intent(in) :: flank
-        real(wp) :: s
-
-        s = merge(zone%nearest%s_1, zone%nearest%s_2, flank == 1)
-    end function place_on
-
-    !> Return the unit forces on one body at zones, with their moments about its axis [mm], in the
-    !> direction in which its displacements close the gaps.
-    pure function wrenches_at(meshes, zones, at) result(wrenches)
-        !> The meshes, and the zones
-        type(mesh_type), intent(in) :: meshes(:)
-        type(zone_type), intent(in) :: zones(:)
-        !> 1 or 2: which of both bodies of the zone, shape (n)
-        integer, intent(in) :: at(:)
-        !> shape (3, n)
-        real(wp) :: wrenches(3, size(zones))
-
-        integer :: z
-        real(wp) :: fixed(3, 2)
-
-        do z = 1, size(zones)
-            fixed = in_fixed_frame(meshes(zones(z)%mesh), zones(z)%side, zones(z)%closing)
-            wrenches(:, z) = zones(z)%lever*fixed(:, at(z))
-        end do
-    end function wrenches_at
-
-    !> Add the near fields of both bodies between different zones of the same flanks.
-    pure subroutine add_far_fields(bodies, zones, coupling)
-        !> The bodies
-        type(body_type), intent(in) :: bodies(:)
-        !> The zones
-        type(zone_type), intent(in) :: zones(:)
-        !> Compliance between the zones [mm/N], shape (zones, zones)
-        real(wp), intent(inout) :: coupling(:, :)
-
-        integer :: i, j
-        real(wp) :: width
-
-        do j = 1, size(zones)
-            width = least_half_width(zones(j)%flank_length)
-            do i = 1, size(zones)
-                if (i == j .or. zones(i)%site /= zones(j)%site) cycle
-                coupling(i, j) = coupling(i, j) &
-                    & + near_field_between(bodies(zones(j)%body(1))%compliance, &
-                    & zones(i)%nearest%s_1, zones(j)%nearest%s_1, width) &
-                    & + near_field_between(bodies(zones(j)%body(2))%compliance, &
-                    & zones(i)%nearest%s_2, zones(j)%nearest%s_2, width)
-            end do
-        end do
-    end subroutine add_far_fields
-
     !> Return the gap angles with all deviations, shifts and known displacements [rad].
     pure function gaps_without_load(bodies, meshes, position, zones) result(gap)
         !> The bodies, and their meshes
@@ -517,51 +415,6 @@ contains
                 & zones(z)%side, zones(z)%closing)
         end do
     end function gaps_without_load
-
-    !> Return the weight of body 1 in the common lever of both bodies: its fraction of the normal
-    !> displacement.
-    !>
-    !> With the normal displacements u of the bodies, u_1/b_1 + u_2/b_2 = (u_1 + u_2)/b requires
-    !> exactly these weights. With equal weights, the large rotation of a body that is much more
-    !> flexible than the other one (a long arm) distorts the gap: 0.5 % of the pressure of a roller
-    !> on an arm seven times as long as wide. One weight applies to the whole position, since the
-    !> point of least gap may jump where flanks conform.
-    pure function lever_share(smooth_1, smooth_2, kernel_1, kernel_2, images, flank_length) &
-            & result(share)
-        !> Smooth compliance of the bodies at the zones, without coupling between zones [mm/N],
-        !> shape (zones)
-        real(wp), intent(in) :: smooth_1(:)
-        real(wp), intent(in) :: smooth_2(:)
-        !> Constant c of each body [mm/N], shape (zones)
-        real(wp), intent(in) :: kernel_1(:)
-        real(wp), intent(in) :: kernel_2(:)
-        !> Mirror images of the zones, shape (2, zones)
-        type(image_type), intent(in) :: images(:, :)
-        !> Length of flank 1 [mm]
-        real(wp), intent(in) :: flank_length
-        real(wp) :: share
-
-        !> Largest difference between a weight and 1/2 at which both levers get equal weights: it
-        !> changes the pressure of gears by 0.01 % only.
-        real(wp), parameter :: alike = 0.3_wp
-        integer :: z
-        real(wp) :: width, near, image(2), one, two, part, unused(2)
-
-        width = usual_half_width*flank_length
-        near = 0.5_wp + log(2.0_wp/width)
-        one = 0.0_wp
-        two = 0.0_wp
-        do z = 1, size(smooth_1)
-            call image_displacement(images(1:1, z), [width, width], image(1), unused)
-            call image_displacement(images(2:2, z), [width, width], image(2), unused)
-            one = one + max(0.0_wp, smooth_1(z) + kernel_1(z)*near + image(1))
-            two = two + max(0.0_wp, smooth_2(z) + kernel_2(z)*near + image(2))
-        end do
-        share = 0.5_wp
-        if (.not. one + two > 0.0_wp) return
-        part = one/(one + two) - 0.5_wp
-        share = 0.5_wp + sign(0.5_wp*max(0.0_wp, abs(part) - alike)/(0.5_wp - alike), part)
-    end function lever_share
 
     !> Return whether the flanks of each site are on the facing side of both bodies.
     !>

@@ -3,6 +3,8 @@
 !> moments about its axis: a term of rank 3.
 module flankload_support_influence
     use flankload_kinds, only: wp
+    use flankload_mesh, only: body_type
+    use flankload_mode_field, only: places_type
     implicit none
     private
 
@@ -11,23 +13,18 @@ module flankload_support_influence
 contains
 
     !> Add the displacements of one body on its support.
-    pure subroutine add_support(support, wrenches, of, matrix)
-        !> Displacement along x and y [mm] and rotation [rad] per force [N] and moment [N mm], shape
-        !> (3, 3)
-        real(wp), intent(in) :: support(:, :)
-        !> Unit forces at the places of the body, and their moments [mm], shape (3, n)
-        real(wp), intent(in) :: wrenches(:, :)
-        !> Rows of these places in K, shape (n)
-        integer, intent(in) :: of(:)
-        !> K [mm/N]
-        real(wp), intent(inout) :: matrix(:, :)
+    pure subroutine add_support(body, places, matrix)
+        !> As in of_body
+        type(body_type), intent(in) :: body
+        type(places_type), intent(in) :: places
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: j
-        real(wp) :: moved(3)
 
-        do j = 1, size(of)
-            moved = matmul(support, wrenches(:, j))
-            matrix(of, of(j)) = matrix(of, of(j)) + matmul(moved, wrenches)
+        if (.not. allocated(body%support)) return
+        do j = 1, size(places%of)
+            matrix(:, j) = matrix(:, j) + matmul(matmul(body%support, places%on_support(:, j)), &
+                & places%on_support)
         end do
     end subroutine add_support
 

@@ -15,6 +15,7 @@ program bench_sweep
     use flankload_position_cells, only: cells_type, expected_pairs, lay_pairs, &
         & measure_reach, new_cells
     use flankload_recorded_body, only: read_body, read_mesh
+    use flankload_zone_influence, only: couple_zones
     implicit none
 
     !> Stages: zones; lumped contact; cells and pairs; influence coefficients; contact loop as
@@ -147,6 +148,7 @@ contains
             call locate_contacts(bodies, meshes, turn_of_body_1, configuration, [torque], .true., &
                 & position, error)
             if (allocated(error)) error stop 1
+            call couple_zones(bodies, meshes, position)
             call lap(clock, times(way_zones))
             allocate (estimate(size(position%zones)))
             call estimate_forces(position, position%zones%curvature, [torque], estimate, motion, &

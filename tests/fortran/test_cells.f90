@@ -3,12 +3,12 @@ program test_cells
     use, intrinsic :: iso_fortran_env, only: real128
     use flankload, only: wp, slices_type
     use flankload_cell_field, only: add_cells, add_sliding, mirror
-    use flankload_compliance_field, only: compliance_type, strip_kernel
+    use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
-    use flankload_mode_field, only: add_modes, places_type
+    use flankload_mode_field, only: add_modes, add_tangential_modes, places_type
     use flankload_rectangle_potential, only: add_potentials, cell_potential
-    use flankload_slice_field, only: flank_of, middle_of, modes_of, segment_type, &
-        & sliced_compliance, sliced_tangential, width_of
+    use flankload_slice_field, only: axial_means, middle_of, modes_of, segment_type, slice_of, &
+        & width_of
     use flankload_tangential_potential, only: rectangle_field
     implicit none
 
@@ -201,8 +201,8 @@ contains
         rigid = 0.3_wp
         matrix = matrix_of(bodies, rigid)
         call cells_of(slices, segments, pairs)
-        smooth = sliced_compliance(bodies(1), slices, pairs%site, pairs%s_1) &
-            & + sliced_compliance(bodies(2), slices, pairs%site, pairs%s_2)
+        smooth = by_modes(bodies(1), slices, pairs%site, pairs%s_1, bodies(1)%smooth) &
+            & + by_modes(bodies(2), slices, pairs%site, pairs%s_2, bodies(2)%smooth)
         do j = 1, pairs%n
             do i = j, pairs%n
                 wanted = smooth(i, j) + rigid*(0.1_wp*i)*(0.1_wp*j)
@@ -253,8 +253,8 @@ contains
         without = matrix_of(bodies, 0.3_wp)
         matrix = matrix_of(bodies, 0.3_wp, slides=.true.)
         call cells_of(slices, segments, pairs)
-        modes = sliced_tangential(bodies(1), slices, pairs%site, pairs%s_1) &
-            & + sliced_tangential(bodies(2), slices, pairs%site, pairs%s_2)
+        modes = by_modes(bodies(1), slices, pairs%site, pairs%s_1, bodies(1)%tangential) &
+            & + by_modes(bodies(2), slices, pairs%site, pairs%s_2, bodies(2)%tangential)
         do j = 1, pairs%n
             do i = 1, pairs%n
                 wanted = modes(i, j)
@@ -277,6 +277,33 @@ contains
             end do
         end do
     end subroutine test_friction_by_hand
+
+    !> Return the displacements by modes between all cells.
+    function by_modes(body, slices, site, s, between_modes) result(matrix)
+        !> Body, slices, sites and arc lengths of the cells
+        type(compliance_type), intent(in) :: body
+        type(slices_type), intent(in) :: slices
+        integer, intent(in) :: site(:)
+        real(wp), intent(in) :: s(:)
+        !> Compliance between modes
+        real(wp), intent(in) :: between_modes(:, :, :)
+        real(wp) :: matrix(size(s), size(s))
+
+        integer :: a, i, j
+        real(wp) :: along(size(s), 2), values(6, size(s))
+
+        along = mode_values(body, s)
+        do i = 1, size(s)
+            j = slice_of(slices, site(i))
+            values(:, i) = [(along(i, a)*axial_means(body, slices%edges(j:j + 1)), a=1, 2)]
+        end do
+        do j = 1, size(s)
+            do i = 1, size(s)
+                matrix(i, j) = dot_product(values(:, i), matmul(between_modes(:, :, &
+                    & body%block(site(i), site(j))), values(:, j)))
+            end do
+        end do
+    end function by_modes
 
     !> Return the displacement of both half-spaces, of strength 2.
     function between(one, other, across, distance, cells) result(potential)
@@ -364,7 +391,7 @@ contains
         !> K [mm/N]
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
-        integer :: b, i, n
+        integer :: b, i, k, n
         type(places_type) :: places(2)
 
         n = pairs%n
@@ -373,14 +400,24 @@ contains
             places(b)%site = pairs%site(:n)
             places(b)%s = pairs%s_1(:n)
             if (b == 2) places(b)%s = pairs%s_2(:n)
-            places(b)%values = modes_of(bodies(b), slices, places(b)%site, places(b)%s)
+            places(b)%flank = segments(pairs%zone(:n))%flank
+            if (allocated(pairs%friction)) places(b)%friction = pairs%friction(:n)
+            allocate (places(b)%edges(2, n))
+            do i = 1, n
+                k = slice_of(slices, pairs%site(i))
+                places(b)%edges(:, i) = slices%edges(k:k + 1)
+            end do
+            places(b)%values = modes_of(bodies(b), places(b)%edges, places(b)%s)
         end do
         matrix = 0.0_wp
-        call add_modes(bodies, places, flank_of(slices, pairs%site(:n)), n, matrix)
-        call add_cells(bodies(1), bodies(2), segments, pairs, matrix)
+        call add_modes(bodies, places, n, matrix)
+        call add_cells(bodies(1), bodies(2), segments, [1, n], pairs, matrix)
         call mirror(matrix)
         if (allocated(pairs%friction)) then
-            call add_sliding(bodies(1), bodies(2), slices, segments, pairs, matrix)
+            call add_sliding(bodies(1), bodies(2), segments, [1, n], pairs, matrix)
+            do b = 1, 2
+                call add_tangential_modes(bodies(b), places(b), matrix)
+            end do
         end if
     end subroutine set_influences
 

@@ -40,10 +40,12 @@ def body_record(n_sites: int, smooth: NDArray[np.float64], **changes: Any) -> ND
     return record
 
 
-def mesh_record(level: float, distance_mm: float = 72.0, steps: int = 0) -> NDArray[np.float64]:
-    """Record of a mesh of one site; `steps` of finite forces."""
+def mesh_record(
+    level: float, distance_mm: float = 72.0, steps: int = 0, n_sites: int = 1, twist: float = 0.0
+) -> NDArray[np.float64]:
+    """Record of a mesh; `steps` of finite forces."""
     axes = np.array([[0.0, distance_mm], [0.0, 0.0]], order="F")
-    arguments = (1, axes, 0.0, np.array([10.0, 30.0, 2.5, level, steps]))
+    arguments = (n_sites, axes, twist, np.array([10.0, 30.0, 2.5, level, steps]))
     record = np.empty(_core.flankload_pack_mesh(*arguments, np.empty(0)))
     assert _core.flankload_pack_mesh(*arguments, record) == 0
     return record

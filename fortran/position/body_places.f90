@@ -1,0 +1,229 @@
+!> Places of a body at which forces act: at the pairs of a position, or at its zones, which have one
+!> unknown each. They hold all that the contributions of the body to K need.
+module flankload_body_places
+    use flankload_kinds, only: wp
+    use flankload_rounding, only: tie
+    use flankload_compliance_field, only: mode_values
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_zones, only: member_of, zone_type
+    use flankload_lumped_hertz, only: usual_half_width
+    use flankload_mesh, only: body_type, mesh_type
+    use flankload_mode_field, only: places_type
+    use flankload_motion_rows, only: in_fixed_frame, turned_to_fixed_frame
+    use flankload_polar_geometry, only: angle_between, cross, part_in_section, turned
+    use flankload_slice_field, only: modes_of, shaft_type
+    implicit none
+    private
+
+    public :: places_at_pairs, places_at_zones
+
+contains
+
+    !> Return the places of a body at all pairs of its meshes.
+    pure function places_at_pairs(b, body, meshes, zones, pairs) result(places)
+        !> Number of the body, and the body
+        integer, intent(in) :: b
+        type(body_type), intent(in) :: body
+        !> The meshes, and the zones of the position
+        type(mesh_type), intent(in) :: meshes(:)
+        type(zone_type), intent(in) :: zones(:)
+        !> The pairs
+        type(pairs_type), intent(in) :: pairs
+        type(places_type) :: places
+
+        integer :: i, k, n, member(pairs%n)
+
+        member = member_of(zones(pairs%zone(:pairs%n)), b)
+        n = count(member > 0)
+        call reserve_places(n, body, places)
+        places%of = pack([(i, i=1, pairs%n)], member > 0)
+        if (allocated(pairs%friction)) places%friction = pairs%friction(places%of)
+        do i = 1, n
+            k = places%of(i)
+            associate (zone => zones(pairs%zone(k)), at => member(k))
+                call place_on_zone(zone, at, i, places)
+                places%s(i) = merge(pairs%s_1(k), pairs%s_2(k), at == 1)
+                places%cell(i) = merge(pairs%cell_1(k), pairs%cell_2(k), at == 1)
+                places%turn(i) = pairs%turn(at, k)
+                places%corner_turn(i) = pairs%corner_turn(at, k)
+                if (allocated(body%support)) places%on_support(:, i) = pairs%lever(k) &
+                    & *closing_in_fixed_frame(meshes(zone%mesh), 1.0_wp, pairs%closing(:, :, k), at)
+                if (allocated(body%shaft)) call press(body%shaft, meshes(zone%mesh), zone, at, &
+                    & pairs%point(:, k), pairs%normal(:, k), i, places)
+            end associate
+        end do
+        call set_values(body, places)
+    end function places_at_pairs
+
+    !> Return the places of a body at the points of least gap of zones; a unit of friction.
+    pure function places_at_zones(b, body, meshes, zones) result(places)
+        !> Number of the body, and the body
+        integer, intent(in) :: b
+        type(body_type), intent(in) :: body
+        !> The meshes, and the zones
+        type(mesh_type), intent(in) :: meshes(:)
+        type(zone_type), intent(in) :: zones(:)
+        type(places_type) :: places
+
+        integer :: i, n, member(size(zones))
+        real(wp) :: tangent(2), mirror(2)
+
+        member = member_of(zones, b)
+        n = count(member > 0)
+        call reserve_places(n, body, places)
+        places%of = pack([(i, i=1, size(zones))], member > 0)
+        allocate (places%friction(n), source=1.0_wp)
+        do i = 1, n
+            associate (zone => zones(places%of(i)), at => member(places%of(i)))
+                call place_on_zone(zone, at, i, places)
+                places%s(i) = merge(zone%nearest%s_1, zone%nearest%s_2, at == 1)
+                ! images of forces along the flank are at least this width away
+                places%cell(i) = 2.0_wp*usual_half_width*zone%flank_length
+                places%turn(i) = 0.0_wp
+                places%corner_turn(i) = corner_turn(body%compliance%s_high, places%s(i), zone, at)
+                if (allocated(body%support)) places%on_support(:, i) = zone%lever &
+                    & *closing_in_fixed_frame(meshes(zone%mesh), zone%side, zone%closing, at)
+                if (.not. allocated(body%shaft)) cycle
+                tangent = zone%nearest%tangent_1
+                if (abs(zone%corner) == 1) tangent = zone%nearest%tangent_2
+                ! coast flanks are found in the mirror image about the line of centres
+                mirror = [1.0_wp, zone%side]
+                call press(body%shaft, meshes(zone%mesh), zone, at, mirror*zone%nearest%point_1, &
+                    & mirror*[-tangent(2), tangent(1)], i, places)
+            end associate
+        end do
+        call set_values(body, places)
+    end function places_at_zones
+
+    !> Reserve n places of a body.
+    pure subroutine reserve_places(n, body, places)
+        !> Number of places
+        integer, intent(in) :: n
+        !> The body
+        type(body_type), intent(in) :: body
+        !> The places
+        type(places_type), intent(inout) :: places
+
+        allocate (places%site(n), places%flank(n), places%s(n), places%cell(n), places%turn(n), &
+            & places%corner_turn(n), places%edges(2, n))
+        if (allocated(body%support)) allocate (places%on_support(3, n))
+        if (allocated(body%shaft)) allocate (places%on_shaft(6, n), places%along_shaft(6, n))
+    end subroutine reserve_places
+
+    !> Set site, flank and slice of a place.
+    pure subroutine place_on_zone(zone, member, i, places)
+        !> Its zone
+        type(zone_type), intent(in) :: zone
+        !> Which of both bodies of the zone it is, and the index of the place
+        integer, intent(in) :: member
+        integer, intent(in) :: i
+        !> The places
+        type(places_type), intent(inout) :: places
+
+        places%site(i) = zone%site + zone%offset(member)
+        places%flank(i) = zone%flank
+        places%edges(:, i) = zone%edges
+    end subroutine place_on_zone
+
+    !> Compute the modes of a body at its places; no edges remain in the plane.
+    pure subroutine set_values(body, places)
+        !> The body
+        type(body_type), intent(in) :: body
+        !> Its places
+        type(places_type), intent(inout) :: places
+
+        if (.not. any(places%edges(2, :) > places%edges(1, :))) deallocate (places%edges)
+        if (allocated(body%compliance%nodes)) then
+            allocate (places%values(0, size(places%of)))
+        else if (allocated(places%edges)) then
+            places%values = modes_of(body%compliance, places%edges, places%s, places%turn)
+        else
+            places%values = transpose(mode_values(body%compliance, places%s, places%turn))
+        end if
+    end subroutine set_values
+
+    !> Return the angle by which the force at a sharp tip of a body is turned from the normal of its
+    !> flank towards increasing arc length [rad]: halfway to the normal of the other flank. Away
+    !> from corners, both flanks have the same normal at the point of least gap.
+    pure function corner_turn(s_high, s, zone, member) result(turn)
+        !> Arc lengths at the end of the flank's modes, and of the point of least gap [mm]
+        real(wp), intent(in) :: s_high
+        real(wp), intent(in) :: s
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        !> Flank, 1 or 2
+        integer, intent(in) :: member
+        real(wp) :: turn
+
+        turn = 0.0_wp
+        if (zone%corner /= member .or. s < s_high*(1.0_wp - tie)) return
+        ! body 1 rotates by the gap angle until both touch; tangents point to either tip
+        associate (nearest => zone%nearest)
+            turn = 0.5_wp*angle_between(turned(nearest%tangent_1, nearest%gap_angle), &
+                & -nearest%tangent_2)
+        end associate
+        if (member == 1) turn = -turn
+    end function corner_turn
+
+    !> Return the rotation of body 1 that closes a gap as unit displacements of one of both bodies
+    !> do, in the fixed frame.
+    pure function closing_in_fixed_frame(mesh, side, closing, member) result(closed)
+        !> As in in_fixed_frame
+        type(mesh_type), intent(in) :: mesh
+        real(wp), intent(in) :: side
+        real(wp), intent(in) :: closing(3, 2)
+        !> 1 or 2
+        integer, intent(in) :: member
+        real(wp) :: closed(3), both(3, 2)
+
+        both = in_fixed_frame(mesh, side, closing)
+        closed = both(:, member)
+    end function closing_in_fixed_frame
+
+    !> Set unit forces on a shaft in the fixed frame, in the direction in which displacements of the
+    !> body close the gap: along the normal of a flank of constant twist, and along the flank.
+    pure subroutine press(shaft, mesh, zone, member, point, normal, i, places)
+        !> The shaft, and the mesh
+        type(shaft_type), intent(in) :: shaft
+        type(mesh_type), intent(in) :: mesh
+        !> Zone of the point, and which of its bodies has the shaft
+        type(zone_type), intent(in) :: zone
+        integer, intent(in) :: member
+        !> Point in the transverse plane [mm], and unit normal of the profile, of either sign
+        real(wp), intent(in) :: point(2)
+        real(wp), intent(in) :: normal(2)
+        !> Index of the place, and the places
+        integer, intent(in) :: i
+        type(places_type), intent(inout) :: places
+
+        real(wp) :: lever, n(2), arm(3), force(3)
+
+        ! sign such that the lever about axis 1 is positive on working flanks, negative on coast
+        ! flanks
+        lever = cross(point, normal)
+        n = sign(1.0_wp, zone%side*lever)*normal
+        if (member == 2) n = -n
+        lever = abs(lever)
+        arm = [turned_to_fixed_frame(mesh, point - mesh%axes(:, member)), &
+            & 0.5_wp*sum(zone%edges) - shaft%z]
+        ! the force on body 2 is opposite
+        force = part_in_section(zone%twist, lever)*[turned_to_fixed_frame(mesh, n), &
+            & -merge(1.0_wp, -1.0_wp, member == 1)*zone%twist*lever]
+        places%on_shaft(:, i) = with_moment(arm, force)
+        ! n is t rotated by +90 degrees, on coast flanks by -90 degrees
+        force = [turned_to_fixed_frame(mesh, zone%side*[n(2), -n(1)]), 0.0_wp]
+        places%along_shaft(:, i) = with_moment(arm, force)
+    end subroutine press
+
+    !> Return a force and its moment.
+    pure function with_moment(arm, force) result(wrench)
+        !> Arm [mm] and force
+        real(wp), intent(in) :: arm(3)
+        real(wp), intent(in) :: force(3)
+        real(wp) :: wrench(6)
+
+        wrench = [force, arm(2)*force(3) - arm(3)*force(2), arm(3)*force(1) - arm(1)*force(3), &
+            & arm(1)*force(2) - arm(2)*force(1)]
+    end function with_moment
+
+end module flankload_body_places

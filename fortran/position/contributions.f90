@@ -1,0 +1,140 @@
+!> K as a sum over contributions. Each adds to K by one of two interfaces, at the pairs of a
+!> position or at its zones, and does nothing if its cause is absent.
+module flankload_contributions
+    use flankload_kinds, only: wp
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_influence_coefficients, only: add_strips
+    use flankload_mesh, only: body_type, mesh_type
+    use flankload_mode_field, only: add_tangential_modes, places_type
+    use flankload_tangential_influence, only: add_tangential
+    use flankload_turned_influence, only: add_turned
+    implicit none
+    private
+
+    public :: contribution_type
+    public :: add_contributions, friction, near_field, turned_forces
+
+    !> One contribution: of each body by itself, or of bodies together.
+    type :: contribution_type
+        procedure(of_body), pointer, nopass :: alone => null()
+        procedure(between_bodies), pointer, nopass :: together => null()
+    end type contribution_type
+
+    abstract interface
+        !> Add the displacements of one body at its own places.
+        pure subroutine of_body(body, places, matrix)
+            import :: body_type, places_type, wp
+            implicit none
+            !> The body, and its places
+            type(body_type), intent(in) :: body
+            type(places_type), intent(in) :: places
+            !> K of these places [mm/N], shape (n, n)
+            real(wp), contiguous, intent(inout) :: matrix(:, :)
+        end subroutine of_body
+
+        !> Add the displacements of bodies that depend on several of them.
+        pure subroutine between_bodies(bodies, meshes, zones, pairs, places, matrix)
+            import :: body_type, mesh_type, pairs_type, places_type, wp, zone_type
+            implicit none
+            !> The bodies, and their meshes
+            type(body_type), intent(in) :: bodies(:)
+            type(mesh_type), intent(in) :: meshes(:)
+            !> The zones of the position; pairs, those of a zone consecutive; places of each body
+            type(zone_type), intent(in) :: zones(:)
+            type(pairs_type), intent(in) :: pairs
+            type(places_type), intent(in) :: places(:)
+            !> K [mm/N], shape (n, n)
+            real(wp), contiguous, intent(inout) :: matrix(:, :)
+        end subroutine between_bodies
+    end interface
+
+contains
+
+    !> Add contributions to K.
+    pure subroutine add_contributions(list, bodies, meshes, zones, pairs, places, matrix)
+        !> The contributions
+        type(contribution_type), intent(in) :: list(:)
+        !> As in between_bodies
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        type(zone_type), intent(in) :: zones(:)
+        type(pairs_type), intent(in) :: pairs
+        type(places_type), intent(in) :: places(:)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: b, k
+        real(wp), allocatable :: part(:, :)
+
+        do k = 1, size(list)
+            if (associated(list(k)%together)) call list(k)%together(bodies, meshes, zones, pairs, &
+                & places, matrix)
+        end do
+        do b = 1, size(bodies)
+            associate (of => places(b)%of)
+                if (size(of) == size(matrix, 2)) then
+                    call add_alone(bodies(b), places(b), matrix)
+                else if (size(of) > 0) then
+                    part = matrix(of, of)
+                    call add_alone(bodies(b), places(b), part)
+                    matrix(of, of) = part
+                end if
+            end associate
+        end do
+
+    contains
+
+        !> Add the contributions of one body by itself.
+        pure subroutine add_alone(body, own, part)
+            !> As in of_body
+            type(body_type), intent(in) :: body
+            type(places_type), intent(in) :: own
+            real(wp), contiguous, intent(inout) :: part(:, :)
+
+            integer :: i
+
+            do i = 1, size(list)
+                if (associated(list(i)%alone)) call list(i)%alone(body, own, part)
+            end do
+        end subroutine add_alone
+
+    end subroutine add_contributions
+
+    !> Near field of cells in the plane, with its images behind free corners, to the lower triangle.
+    pure subroutine near_field(body, places, matrix)
+        !> As in of_body
+        type(body_type), intent(in) :: body
+        type(places_type), intent(in) :: places
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        if (.not. allocated(places%edges)) call add_strips(body%compliance, places, matrix)
+    end subroutine near_field
+
+    !> Forces that turn over a sharp tip; bodies with tables between nodes have no response to them.
+    pure subroutine turned_forces(body, places, matrix)
+        !> As in of_body
+        type(body_type), intent(in) :: body
+        type(places_type), intent(in) :: places
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        if (.not. allocated(places%edges)) call add_turned(body%compliance, places%site, places%s, &
+            & places%cell, places%corner_turn, matrix)
+    end subroutine turned_forces
+
+    !> Tangential forces: all of their field in the plane, Eqs. (14), (15), modes in slices.
+    pure subroutine friction(body, places, matrix)
+        !> As in of_body
+        type(body_type), intent(in) :: body
+        type(places_type), intent(in) :: places
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        if (.not. allocated(places%friction)) return
+        if (allocated(places%edges)) then
+            call add_tangential_modes(body%compliance, places, matrix)
+        else
+            call add_tangential(body%compliance, places%site, places%s, places%cell, &
+                & places%friction, matrix)
+        end if
+    end subroutine friction
+
+end module flankload_contributions
