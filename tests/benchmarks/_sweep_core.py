@@ -58,8 +58,7 @@ class Job:
 
     def contact(self, grid: Grid, level: Level = "pairs") -> FlankContact:
         """Of both bodies, without friction."""
-        pair, width = self.bodies, self.scene.pair.face_width_mm
-        return FlankContact(pair.bodies, self.compliances, pair.pairing, width, grid, level)
+        return FlankContact(self.bodies, self.compliances, grid, level)
 
 
 @dataclass(frozen=True)

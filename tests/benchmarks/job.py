@@ -67,13 +67,7 @@ def run() -> str:
 
     def positions() -> Sweep:
         (found,) = sweep(
-            FlankContact(
-                bodies,
-                compliances=(compliances[0], compliances[1]),
-                pairing=pair.pairing,
-                face_width_mm=14.0,
-                grid=pair.discretization.grid,
-            ),
+            FlankContact(pair, (compliances[0], compliances[1]), pair.discretization.grid),
             position_rad,
             [302e3],
         )

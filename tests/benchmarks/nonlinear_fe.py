@@ -73,11 +73,7 @@ def flankload_positions(scene: fl.Scene, strips: float) -> tuple[float, float]:
         start = time.process_time()
         (found,) = sweep(
             FlankContact(
-                (pair.body_1, pair.body_2),
-                compliances=(compliances[0], compliances[1]),
-                pairing=pair.pairing,
-                face_width_mm=scene.pair.face_width_mm,
-                grid=Grid(strips_per_half_width=strips),
+                pair, (compliances[0], compliances[1]), Grid(strips_per_half_width=strips)
             ),
             position_rad,
             [1000.0 * scene.torques_Nm[0]],

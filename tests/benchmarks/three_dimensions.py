@@ -102,15 +102,7 @@ def measured(name: str) -> Measured:
 
     def positions() -> Sweep:
         (found,) = sweep(
-            FlankContact(
-                (pair.body_1, pair.body_2),
-                compliances=compliances,
-                pairing=pair.pairing,
-                face_width_mm=scene.pair.face_width_mm,
-                grid=pair.discretization.grid,
-                level="lumped",
-                slices=pair.slices,
-            ),
+            FlankContact(pair, compliances, pair.discretization.grid, "lumped"),
             np.radians(TWO_PAIRS),
             [1000.0 * scene.torques_Nm[0]],
             keep_pairs=False,

@@ -17,6 +17,8 @@ from flankload import _core
 from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankModes, NearField
+from flankload.pairing.gear_mesh import GearMesh
+from flankload.pairing.slices import plane_slice
 from flankload.scene.discretization import Grid
 from tests.support.nodal_position import NodalPosition
 from tests.support.nodal_sweep import NodalSweep
@@ -116,11 +118,9 @@ def rollers(text: str) -> None:
     def solve(part: float) -> tuple[Sweep, ...]:
         return sweep(
             FlankContact(
-                cylinders(one, two),
-                compliances=(compliance, warm),
-                pairing=one_site(90.0),
-                face_width_mm=width,
-                grid=Grid(),
+                GearMesh(cylinders(one, two), one_site(90.0), plane_slice(width)),
+                (compliance, warm),
+                Grid(),
             ),
             2e-3 * np.arange(3),
             [part * 3.6e4, part * 3.6e5],

@@ -142,9 +142,8 @@ def test_the_core_solves_the_equations_of_the_slices() -> None:
     pair = build_bodies(own)
     contact = contact_of(own, pair, (compliance_of(pair.body_1, own), no_compliance(pair.body_2)))
     none, found = sweep(contact, pair.position_rad, [0.0, TORQUE_NMM])
-    spread, compliance = reduced_compliance(contact)
+    spread, compliance = reduced_compliance(pair, contact.compliances)
     slices, base_mm, site_angles = pair.slices, pair.body_1.base_radius_mm, pair.pairing
-    assert slices is not None
     assert slices.conforming is not None
     assert base_mm is not None
     one, two = site_angles.site_angles_rad
@@ -213,7 +212,7 @@ def test_conforming_slices_refuse_friction_and_finite_forces() -> None:
     pair = build_bodies(own)
     contact = contact_of(own, pair, (no_compliance(pair.body_1), no_compliance(pair.body_2)))
     friction = Friction(np.zeros(1), np.full((1, TEETH), 0.1))
-    for refused in ({"friction": friction}, {"finite_steps": 2}):
+    for refused in ({"mesh": replace(pair, friction=friction)}, {"finite_steps": 2}):
         with pytest.raises(InputError, match="slices along the face width"):
             sweep(replace(contact, **refused), pair.position_rad, [TORQUE_NMM])
 
@@ -266,7 +265,6 @@ def test_the_gap_by_an_exact_rotation(direction: float) -> None:
     angle = 1e-4
     tilted = {"pair__misalignment_mrad": 1e3 * angle, "pair__misalignment_direction_deg": direction}
     pair = build_bodies(scene(**tilted))
-    assert pair.slices is not None
     height = pair.slices.conforming
     assert height is not None
     teeth = pair.pairing.site_angles_rad[0]
@@ -318,7 +316,6 @@ def test_the_direction_of_the_misalignment_turns_the_load() -> None:
 def test_moments_are_those_of_the_forces_of_all_pairs() -> None:
     found = solve(**CROWNED, **MISALIGNED)
     table, slices = found.pairs(0), found.slices
-    assert slices is not None
     assert table.z_mm is not None
     lever = table.x_mm * table.normal_y - table.y_mm * table.normal_x
     assert float(table.force_N @ lever) == pytest.approx(TORQUE_NMM, rel=1e-9)

@@ -265,7 +265,6 @@ def test_flanks_of_slices_deviate_by_the_metal_removed(tmp_path: Path) -> None:
         )
     )
     body, slices = pair.body_1, pair.slices
-    assert slices is not None
     assert slices.surfaces_mm[0] is not None
     assert slices.surfaces_mm[1] is None
     curves = section_curves(body, slices.surfaces_mm[0])

@@ -61,21 +61,18 @@ def built(name: str, mu: float | None) -> tuple[BodyPair, tuple[BodyCompliance, 
 
 
 def swept(
-    name: str, level: Level, *, mu: float | None = None, torque: float = 1.0, **changes: Any
+    name: str,
+    level: Level,
+    *,
+    mu: float | None = None,
+    torque: float = 1.0,
+    position_rad: np.ndarray | None = None,
 ) -> Sweep:
     """A scene under so many times its torque."""
     scene = scene_of(name)
     pair, compliances = built(name, mu)
-    position_rad = changes.pop("position_rad", pair.position_rad)
-    options = {
-        "pairing": pair.pairing,
-        "face_width_mm": scene.pair.face_width_mm,
-        "friction": pair.friction,
-        "grid": FINE,
-    }
-    contact = FlankContact(
-        pair.bodies, compliances=compliances, level=level, **{**options, **changes}
-    )
+    position_rad = pair.position_rad if position_rad is None else position_rad
+    contact = FlankContact(pair, compliances, FINE, level)
     (found,) = sweep(contact, position_rad, [1000 * torque * scene.torques_Nm[0]])
     return found
 

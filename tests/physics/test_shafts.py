@@ -78,7 +78,7 @@ def on_shafts(pair: BodyPair, *shafts: np.ndarray | None) -> BodyPair:
         assert body.axial is not None
         shaft = None if rows is None else Shaft(rows, 0.0, np.zeros((0, 3, 6)))
         bodies.append(replace(body, axial=replace(body.axial, shaft=shaft)))
-    return pair.with_mesh(bodies=(bodies[0], bodies[1]))
+    return replace(pair, bodies=(bodies[0], bodies[1]))
 
 
 def run(pair: BodyPair, helix: float = 0.0, torque: float = TORQUE) -> Sweep:
@@ -96,7 +96,6 @@ def soft(seed: int = 1, size: float = 1e-6) -> np.ndarray:
 
 
 def loads(pair: BodyPair, found: Sweep) -> ShaftLoads:
-    assert pair.slices is not None
     shafts = shaft_loads(pair, pair.slices, found)
     assert shafts is not None
     return shafts
@@ -115,7 +114,6 @@ class WithGaps(Slices):
 
 def recession(pair: BodyPair, found: Sweep, p: int) -> np.ndarray:
     """(S, J) By how much both bodies recede along the normals; a dense product, by hand."""
-    assert pair.slices is not None
     assert pair.body_1.axial is not None
     twist = pair.body_1.axial.twist_rad_per_mm
     site, table = found.pairs.at(p)
@@ -148,7 +146,7 @@ def test_shafts_are_gaps_that_follow_the_forces(helix: float, which: tuple[bool,
     rigid = run(pair, helix)
     for p in range(POSITIONS.size):
         gaps = recession(held, found, p)
-        by_hand = run(pair.with_mesh(slices=WithGaps(**vars(pair.slices), gap_mm=gaps)), helix)
+        by_hand = run(replace(pair, slices=WithGaps(**vars(pair.slices), gap_mm=gaps)), helix)
         turned = found.rotation_rad[p] - rigid.rotation_rad[p]
         assert turned > 0.01 * rigid.rotation_rad[p]
         np.testing.assert_allclose(
@@ -225,11 +223,10 @@ def test_the_tilt_is_a_helix_slope() -> None:
     found = run(held)
     tilt = loads(held, found).tilt_um_per_mm
     assert np.abs(tilt).min() > 0.05
-    assert pair.slices is not None
     for p, slope in enumerate(tilt):
         gap = slope / 1000.0 * (pair.slices.z_mm - pair.slices.z_mm[0])
         sloped = replace(pair.slices, removed_mm=(gap, np.zeros_like(gap)))
-        wanted = run(pair.with_mesh(slices=sloped)).slices.force_N[p]
+        wanted = run(replace(pair, slices=sloped)).slices.force_N[p]
         np.testing.assert_allclose(
             found.slices.force_N[p], wanted, rtol=0.0, atol=5.0 * SETTLED * wanted.max()
         )

@@ -18,7 +18,8 @@ from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.friction import Friction
-from flankload.pairing.slices import Slices
+from flankload.pairing.gear_mesh import GearMesh
+from flankload.pairing.slices import Slices, plane_slice
 from flankload.scene.discretization import Grid
 from tests.support.crowned_cylinders import axial, cut, hertz_ellipse, press
 from tests.support.paths import SCENES
@@ -59,19 +60,12 @@ def run(
     pairing = pair.pairing
     if deviations is not None:
         pairing = replace(pairing, site_deviations_mm=deviations)
+    friction = None if mu is None else rubbing(mu)
     (found,) = sweep(
         FlankContact(
-            (pair.body_1, pair.body_2),
-            compliances=compliances,
-            pairing=pairing,
-            face_width_mm=width,
-            friction=None if mu is None else rubbing(mu),
-            **{
-                "level": "lumped",
-                "slices": slices,
-                "grid": pair.discretization.grid,
-                **keywords,
-            },
+            GearMesh(pair.bodies, pairing, slices or plane_slice(width), friction),
+            compliances,
+            **{"level": "lumped", "grid": pair.discretization.grid, **keywords},
         ),
         np.linspace(0.0, pair.pairing.period_rad, 8, endpoint=False),
         [torque],

@@ -21,9 +21,10 @@ from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.elasticity.near_field import jump_strength, logarithm_strength
 from flankload.pairing.friction import Friction
-from flankload.pairing.pairing import Pairing, Period
+from flankload.pairing.gear_mesh import GearMesh
+from flankload.pairing.slices import plane_slice
 from flankload.scene.discretization import Grid
-from tests.support.pressed_cylinders import arc
+from tests.support.pressed_cylinders import arc, one_site
 
 RADII = (20.0, 35.0)
 #: The contact lies at (LEVER, ASIDE), its normal along y; both axes at y = 0, DISTANCE apart.
@@ -47,31 +48,20 @@ def sliding_contact(mu: float, *, elastic: tuple[bool, bool], sense: int = 1) ->
         tangential=np.zeros((1, 1, 1)),
     )
     rigid = BodyCompliance(np.zeros((1, 1, 1)), NearField(0.0), FlankModes((0.0, 1.0)))
-    none = np.zeros(1)
-    pairing = Pairing(
-        center_distance_mm=DISTANCE,
-        turns_at_zero_rad=(0.0, 0.0),
-        ratio=1.0,
-        period=Period(1.0),
-        sites=np.zeros(1, int),
-        site_teeth=(np.zeros(1, int), np.zeros(1, int)),
-        site_angles_rad=(none, none),
-        site_deviations_mm=(none, none),
-        gear_geometry=None,
-        warnings=(),
-    )
     # body 1 turns faster than body 2, so that body 2 slides along +x, towards the tip of body 1
     (state,) = sweep(
         FlankContact(
-            (
-                SimpleNamespace(curve=one, rigid=not elastic[0], teeth=1, active_range_mm=None),
-                SimpleNamespace(curve=two, rigid=not elastic[1], teeth=1, active_range_mm=None),
+            GearMesh(
+                (
+                    SimpleNamespace(curve=one, rigid=not elastic[0], teeth=1, active_range_mm=None),
+                    SimpleNamespace(curve=two, rigid=not elastic[1], teeth=1, active_range_mm=None),
+                ),
+                one_site(DISTANCE),
+                plane_slice(1.0),
+                Friction(np.zeros(1), np.full((1, 1), mu), sense),
             ),
-            compliances=(yielding if elastic[0] else rigid, yielding if elastic[1] else rigid),
-            pairing=pairing,
-            face_width_mm=1.0,
-            grid=Grid(strips_per_half_width=20),
-            friction=Friction(np.zeros(1), np.full((1, 1), mu), sense),
+            (yielding if elastic[0] else rigid, yielding if elastic[1] else rigid),
+            Grid(strips_per_half_width=20),
         ),
         np.zeros(1),
         [LOAD_N_PER_MM * (LEVER + sense * mu * ASIDE)],

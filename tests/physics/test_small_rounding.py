@@ -21,8 +21,10 @@ from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, fit_flank_curve
-from flankload.pairing.pairing import Pairing, Period
+from flankload.pairing.gear_mesh import GearMesh
+from flankload.pairing.slices import plane_slice
 from flankload.scene.discretization import Grid
+from tests.support.pressed_cylinders import one_site
 
 #: The contact lies at (LEVER, 0), its normal along y; far from O1, so that levers hardly differ.
 LEVER, DISTANCE = 20000.0, 50000.0
@@ -132,30 +134,16 @@ def solved(shape: Shape, strips: float) -> Found:
         SimpleNamespace(curve=curve, rigid=rigid, teeth=1, active_range_mm=None)
         for curve, rigid in ((shape.curve(), True), (line, False))
     ]
-    none = np.zeros(1)
     (found,) = sweep(
         FlankContact(
-            (bodies[0], bodies[1]),
-            compliances=tuple(
+            GearMesh((bodies[0], bodies[1]), one_site(DISTANCE), plane_slice(1.0)),
+            tuple(
                 BodyCompliance(
                     np.full((1, 1, 1), 3 * kernel), NearField(kernel), FlankModes((0.0, 1.0))
                 )
                 for kernel in (0.0, KERNEL)
             ),
-            pairing=Pairing(
-                center_distance_mm=DISTANCE,
-                turns_at_zero_rad=(0.0, 0.0),
-                ratio=1.0,
-                period=Period(1.0),
-                sites=np.zeros(1, int),
-                site_teeth=(np.zeros(1, int), np.zeros(1, int)),
-                site_angles_rad=(none, none),
-                site_deviations_mm=(none, none),
-                gear_geometry=None,
-                warnings=(),
-            ),
-            face_width_mm=1.0,
-            grid=Grid(strips_per_half_width=strips, corner_strips_per_half_width=3 * strips),
+            Grid(strips_per_half_width=strips, corner_strips_per_half_width=3 * strips),
         ),
         np.zeros(1),
         [LOAD * LEVER],

@@ -102,7 +102,7 @@ class Job:
         positions = {"count": 8} if angles_deg is None else {"angles_deg": list(angles_deg)}
         self.scene = fl.Scene.from_dict({**scene, "positions": positions})
         pair = build_bodies(self.scene, parts=PARTS)
-        self.bodies, self.pairing = (pair.body_1, pair.body_2), pair.pairing
+        self.pair, self.bodies, self.pairing = pair, pair.bodies, pair.pairing
         options = JobOptions(n_modes=5, plane=self.scene.accuracy.plane)
         self.fields = tuple(
             made_once(partial(flank_compliance, body, options), PARTS) for body in self.bodies
@@ -116,13 +116,7 @@ class Job:
 
     def run(self, position_rad: np.ndarray, **grid: float) -> Sweep:
         (found,) = sweep(
-            FlankContact(
-                self.bodies,
-                compliances=self.fields,
-                pairing=self.pairing,
-                face_width_mm=self.width,
-                grid=replace(Grid(), **grid),
-            ),
+            FlankContact(self.pair, self.fields, replace(Grid(), **grid)),
             np.asarray(position_rad, dtype=float),
             [self.torque],
         )

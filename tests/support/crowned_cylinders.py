@@ -12,10 +12,10 @@ from scipy.special import ellipe, ellipk
 from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance, FlankModes, NearField
-from flankload.pairing.pairing import Pairing, Period
+from flankload.pairing.gear_mesh import GearMesh
 from flankload.pairing.slices import Slices
 from flankload.scene.discretization import Grid
-from tests.support.pressed_cylinders import arc
+from tests.support.pressed_cylinders import arc, one_site
 
 E, NU = 206000.0, 0.3
 #: Strength of the logarithm of a half-space of steel, mm²/N.
@@ -90,28 +90,12 @@ def press(
     ends = axial(float(edges[0]), float(edges[-1]))
     modes = FlankModes((0.0, 1.0), axial=ends)
     half_space = BodyCompliance(np.zeros((1, 1, 1)), NearField(KERNEL), modes)
-    none = np.zeros(1)
-    pairing = Pairing(
-        center_distance_mm=DISTANCE,
-        turns_at_zero_rad=(0.0, 0.0),
-        ratio=1.0,
-        period=Period(1.0),
-        sites=np.zeros(1, int),
-        site_teeth=(np.zeros(1, int), np.zeros(1, int)),
-        site_angles_rad=(none, none),
-        site_deviations_mm=(none, none),
-        gear_geometry=None,
-        warnings=(),
-    )
     (found,) = sweep(
         FlankContact(
-            (bodies[0], bodies[1]),
-            compliances=(half_space, half_space),
-            pairing=pairing,
-            face_width_mm=1.0,
-            grid=grid,
-            level=level,
-            slices=cut(edges, (ends, ends), gap),
+            GearMesh((bodies[0], bodies[1]), one_site(DISTANCE), cut(edges, (ends, ends), gap)),
+            (half_space, half_space),
+            grid,
+            level,
         ),
         np.zeros(1),
         [force * LEVER],

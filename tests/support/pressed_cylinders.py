@@ -11,7 +11,9 @@ from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import sweep
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
 from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.pairing.gear_mesh import GearMesh
 from flankload.pairing.pairing import Pairing, Period
+from flankload.pairing.slices import plane_slice
 from flankload.scene.discretization import Grid
 from tests.support.paths import REFERENCE_SOLUTIONS
 
@@ -63,12 +65,10 @@ def contact(force_N_per_mm: float, grid: Grid, level: Level = "pairs"):
     half_plane = BodyCompliance(np.zeros((1, 1, 1)), NearField(kernel), FlankModes((0.0, 1.0)))
     (found,) = sweep(
         FlankContact(
-            cylinders(one, two),
-            compliances=(half_plane, half_plane),
-            pairing=one_site(DISTANCE),
-            face_width_mm=1.0,
-            grid=grid,
-            level=level,
+            GearMesh(cylinders(one, two), one_site(DISTANCE), plane_slice(1.0)),
+            (half_plane, half_plane),
+            grid,
+            level,
         ),
         np.zeros(1),
         [force_N_per_mm * LEVER],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -61,15 +62,9 @@ def run(
     pairing: Pairing | None = None,
 ) -> tuple[Sweep, ...]:
     pair, compliances = job(kind, count)
+    mesh = replace(pair, pairing=pairing or pair.pairing)
     return sweep(
-        FlankContact(
-            (pair.body_1, pair.body_2),
-            compliances=compliances,
-            pairing=pairing or pair.pairing,
-            face_width_mm=14.0,
-            grid=pair.discretization.grid,
-            level=level,
-        ),
+        FlankContact(mesh, compliances, pair.discretization.grid, level),
         pair.position_rad,
         torques,
         keep_pairs=keep_pairs,

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.contact.flank_contact import FlankContact, Level
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.elasticity.compliance.contributions import AxialModes
     from flankload.flank import FlankCurve
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Grid
@@ -70,14 +72,19 @@ def records_of(contact: FlankContact) -> tuple[NDArray[np.float64], ...]:
 
 def _mesh_record(contact: FlankContact) -> NDArray[np.float64]:
     """Record of the mesh."""
-    pairing, axial = contact.pairing, contact.compliances[0].modes.axial
+    axial = _axial_modes(contact, 0)
     arguments = (
-        core_sites(contact),
-        _axes(pairing.center_distance_mm),
-        0.0 if contact.slices is None or axial is None else axial.twist,
+        core_sites(contact.mesh),
+        _axes(contact.mesh.pairing.center_distance_mm),
+        0.0 if axial is None else axial.twist,
         _settings(contact.grid, contact.level, contact.finite_steps),
     )
     return _packed(_core.flankload_pack_mesh, arguments, _mesh_parts(contact))
+
+
+def _axial_modes(contact: FlankContact, z: int) -> AxialModes | None:
+    """Modes of body z along the axis; None in the plane, also for a section of a wide body."""
+    return None if contact.mesh.slices.plane else contact.compliances[z].modes.axial
 
 
 def packed_mesh(
@@ -129,28 +136,29 @@ def _settings(grid: Grid, level: Level, finite_steps: int = 0) -> NDArray[np.flo
     )
 
 
-def core_sites(contact: FlankContact) -> int:
+def core_sites(mesh: GearMesh) -> int:
     """Number of sites of the core: pairs of flanks, coast flanks, slices."""
-    sites = contact.pairing.sites.size * (1 if contact.pairing.coast is None else 2)
-    return sites * contact.sections.count
+    sites = mesh.pairing.sites.size * (1 if mesh.pairing.coast is None else 2)
+    return sites * mesh.slices.count
 
 
 def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
     """Record of body z."""
-    body, pairing, slices = contact.bodies[z], contact.pairing, contact.slices
-    width = contact.face_width_mm if slices is None else 1.0
-    compliance = _of_width(contact.compliances[z], width)
-    sections = _sections(body, contact.sections, z)
-    parts = _compliance_parts(compliance, pairing.teeth_of(z))
-    if contact.friction is not None or contact.finite_steps > 0:
-        parts += _tangential_parts(compliance, coast=pairing.coast is not None)
-    if slices is not None:
-        parts += _slice_parts(body, compliance, coast=pairing.coast is not None)
+    mesh, body = contact.mesh, contact.mesh.bodies[z]
+    coast = mesh.pairing.coast is not None
+    compliance = _of_width(contact.compliances[z], mesh.slices.compliance_width_mm)
+    sections = _sections(body, mesh.slices, z)
+    parts = _compliance_parts(compliance, mesh.pairing.teeth_of(z))
+    if mesh.friction is not None or contact.finite_steps > 0:
+        parts += _tangential_parts(compliance, coast=coast)
+    axial = _axial_modes(contact, z)
+    if axial is not None:
+        parts += _axial_parts(body, axial, coast=coast)
     if sections:
         flanks = [_powers_first(curve).ravel(order="F") for curve in sections]
         parts.append(("sections", np.concatenate(flanks)))
     curve = sections[0] if sections else _active(body, body.curve)
-    arguments = _main_arguments(contact, compliance, z, curve)
+    arguments = _main_arguments(mesh, compliance, z, curve)
     return _packed(_core.flankload_pack_body, arguments, parts)
 
 
@@ -165,10 +173,10 @@ def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyComplianc
 
 
 def _main_arguments(
-    contact: FlankContact, compliance: BodyCompliance, z: int, curve: FlankCurve
+    mesh: GearMesh, compliance: BodyCompliance, z: int, curve: FlankCurve
 ) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
     """Arguments of `flankload_pack_body` up to the record."""
-    body, pairing, slices = contact.bodies[z], contact.pairing, contact.sections
+    body, pairing, slices = mesh.bodies[z], mesh.pairing, mesh.slices
     angles, deviations = _at_sites(pairing, slices, z)
     block = slices.site_blocks(
         compliance.blocks_of_sites(pairing.teeth_of(z), pairing.sites.size, body.teeth)
@@ -254,20 +262,17 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
     ]
 
 
-def _slice_parts(body: Body, compliance: BodyCompliance, *, coast: bool) -> list[Part]:
+def _axial_parts(body: Body, axial: AxialModes, *, coast: bool) -> list[Part]:
     """Parts of a three-dimensional body: axial modes, shaft."""
-    parts: list[Part] = []
+    # where a working flank leans out of an end face, the coast flank leans inwards
+    of_coast = axial.end[::-1] if coast else ()
+    numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end, *of_coast]
+    parts = [("axial", np.array(numbers, dtype=float))]
     shaft = None if body.axial is None else body.axial.shaft
     # a flexible shaft is part of the elements, except in a rigid body
     if shaft is not None and (shaft.flexible is None or body.rigid):
         parts.append(("shaft", np.append(shaft.compliance.ravel(), shaft.z_mm)))
-    axial = compliance.modes.axial
-    if axial is None:  # refused by the core
-        return parts
-    # where a working flank leans out of an end face, the coast flank leans inwards
-    of_coast = axial.end[::-1] if coast else ()
-    numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end, *of_coast]
-    return [("axial", np.array(numbers, dtype=float)), *parts]
+    return parts
 
 
 def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
@@ -286,10 +291,11 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
 
 def _mesh_parts(contact: FlankContact) -> list[Part]:
     """Parts of a mesh: sides of the sites, friction, slices."""
-    pairing, friction, count = contact.pairing, contact.friction, contact.sections.count
-    parts: list[Part] = [] if contact.slices is None else [("slices", contact.slices.edges_mm)]
-    if contact.conforms:
-        parts.append(("height", conforming_height(contact)))
+    pairing, friction, slices = contact.mesh.pairing, contact.mesh.friction, contact.mesh.slices
+    count = slices.count
+    parts: list[Part] = [] if slices.plane else [("slices", slices.edges_mm)]
+    if slices.conforming is not None:
+        parts.append(("height", conforming_height(contact.mesh, contact.compliances)))
     if pairing.coast is not None:
         parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size * count)))
     if friction is not None:

@@ -22,32 +22,29 @@ from flankload.elasticity.prism.strip_field import StripField
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.contact.flank_contact import FlankContact
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.pairing.gear_mesh import GearMesh
+
+    Compliances = tuple[BodyCompliance, BodyCompliance]
 
 
-def conforming_height(contact: FlankContact) -> Floats:
+def conforming_height(mesh: GearMesh, compliances: Compliances) -> Floats:
     """Part "height" of the record of the mesh, for S sites and J slices: (9 + (S J)²,)."""
-    slices, fit = contact.slices, contact.pairing.fit
-    assert slices is not None
-    assert fit is not None
-    height = slices.conforming
+    height, fit = mesh.slices.conforming, mesh.pairing.fit
     assert height is not None
-    spread, compliance = reduced_compliance(contact)
+    assert fit is not None
+    spread, compliance = reduced_compliance(mesh, compliances)
     numbers = [*height.middle_s_mm, height.height_mm, *(spread @ height.normal), fit.turn_rad]
     return np.concatenate([numbers, height.tilt, [height.middle_z_mm], compliance.ravel()])
 
 
-def reduced_compliance(contact: FlankContact) -> tuple[Floats, Floats]:
+def reduced_compliance(mesh: GearMesh, compliances: Compliances) -> tuple[Floats, Floats]:
     """Part q (N,) of the force on each strip of the height, and K (S J, S J), mm/N, symmetric."""
-    pairing, slices = contact.pairing, contact.slices
-    assert slices is not None
-    height = slices.conforming
+    pairing, slices, height = mesh.pairing, mesh.slices, mesh.slices.conforming
     assert height is not None
     fields = [
         StripField.of(compliance, body.teeth, s, height.strip_mm, slices.edges_mm)
-        for body, compliance, s in zip(
-            contact.bodies, contact.compliances, height.s_mm, strict=True
-        )
+        for body, compliance, s in zip(mesh.bodies, compliances, height.s_mm, strict=True)
     ]
     even = fields[0].of_even_load() + fields[1].of_even_load()
     # without elements, as for a run without torque, the strips are equal

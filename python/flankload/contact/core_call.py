@@ -163,7 +163,7 @@ class CoreCall:
         control = np.zeros(2, dtype=np.intc)
         capacity *= len(self.torques_Nmm)
         site = np.empty(capacity, dtype=np.intc)
-        n_columns = len(columns_of(friction=self.contact.friction is not None))
+        n_columns = len(columns_of(friction=self.contact.mesh.friction is not None))
         table = np.empty(capacity * n_columns)
 
         known = self.known or KnownContacts.none(self.motion.shape[1], len(self.torques_Nmm))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,40 +44,36 @@ class PackedPairs:
     Attributes
     ----------
     site : (N,) array
-        Number of each pair's site in the sweep, from 0; N pairs, including those of other torques.
+        Number of each pair's site in the core, from 0: slice by slice of each site of the flanks.
+        N pairs, including those of other torques.
     table : (N, len(COLUMNS)) array; with friction followed by FRICTION_COLUMNS
     first, count : (P,) arrays
         Index of the first pair of a position, and number of its pairs.
-    slice_number : (N,) array or None
-        Number of each pair's slice, from 0; None in a plane scene.
+    slice_count : int
+        Number of slices of each site.
     """
 
     site: NDArray[np.intc]
     table: NDArray[np.float64]
     first: NDArray[np.int64]
     count: NDArray[np.int64]
-    slice_number: NDArray[np.intc] | None = None
+    slice_count: int = 1
 
     def columns_at(self, p: int) -> dict[str, NDArray[np.float64]]:
         """Columns (n,) of the pairs of position p, by name; views."""
         return dict(zip(self.names, self.table[self._rows_of(p)].T, strict=True))
 
     def at(self, p: int) -> tuple[NDArray[np.intc], NDArray[np.float64]]:
-        """Sites (n,) and table (n, columns) of the pairs of position p; views."""
+        """Sites (n,) and table (n, columns), a view, of the pairs of position p."""
         rows = self._rows_of(p)
-        return self.site[rows], self.table[rows]
+        return self.site[rows] // self.slice_count, self.table[rows]
 
-    def slices_at(self, p: int) -> NDArray[np.intc] | None:
-        """Slices (n,) of the pairs of position p; None in a plane scene."""
-        return None if self.slice_number is None else self.slice_number[self._rows_of(p)]
+    def slices_at(self, p: int) -> NDArray[np.intc]:
+        """Slices (n,) of the pairs of position p, from 0."""
+        return self.site[self._rows_of(p)] % self.slice_count
 
     def _rows_of(self, p: int) -> slice:
         return slice(int(self.first[p]), int(self.first[p] + self.count[p]))
-
-    def in_slices(self, count: int) -> PackedPairs:
-        """The pairs with the sites of the core split into sites and slices."""
-        site, slice_number = np.divmod(self.site, count)
-        return replace(self, site=site.astype(np.intc), slice_number=slice_number.astype(np.intc))
 
     def column(self, name: str) -> NDArray[np.float64]:
         """One column of all pairs under this torque, position by position; a copy."""
@@ -96,13 +92,12 @@ class PackedPairs:
     @property
     def sites(self) -> NDArray[np.intc]:
         """(n,) Number of the site of all pairs under this torque, from 0; a copy."""
-        return self.site[self._rows()]
+        return self.site[self._rows()] // self.slice_count
 
     @property
     def slices(self) -> NDArray[np.intc]:
-        """(n,) Slice of all pairs under this torque, of a three-dimensional scene; a copy."""
-        assert self.slice_number is not None
-        return self.slice_number[self._rows()]
+        """(n,) Slice of all pairs under this torque, from 0; a copy."""
+        return self.site[self._rows()] % self.slice_count
 
     def _rows(self) -> NDArray[np.int64]:
         """Rows of all pairs under this torque."""
@@ -141,15 +136,10 @@ def join_pairs(parts: Sequence[PackedPairs], order: NDArray[np.int64]) -> Packed
     rows = [part._rows() for part in parts]
     count = np.concatenate([part.count for part in parts])
     first = np.cumsum(count) - count
-    slices = [part.slice_number for part in parts]
     return PackedPairs(
         site=np.concatenate([part.site[own] for part, own in zip(parts, rows, strict=True)]),
         table=np.concatenate([part.table[own] for part, own in zip(parts, rows, strict=True)]),
         first=first[order],
         count=count[order],
-        slice_number=None
-        if slices[0] is None
-        else np.concatenate(
-            [number[own] for number, own in zip(slices, rows, strict=True) if number is not None]
-        ),
+        slice_count=parts[0].slice_count,
     )

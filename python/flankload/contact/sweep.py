@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.contact.flank_contact import FlankContact
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
 
@@ -146,6 +147,16 @@ class Sweep:
     unloaded: UnloadedStates | None = None
 
     @property
+    def slice_corner(self) -> NDArray[np.int64]:
+        """(P, S, J) Corner of each slice, one of which in the plane is the site."""
+        return self.site_corner[..., np.newaxis] if self.slices is None else self.slices.corner
+
+    @property
+    def sharp_ends(self) -> tuple[int, int]:
+        """Bodies whose flanks end in a sharp corner at smaller and larger z; 0 for none."""
+        return (0, 0) if self.slices is None else self.slices.sharp_ends
+
+    @property
     def turned_rad(self) -> NDArray[np.float64]:
         """(P,) Rotation minus that without torque, if computed."""
         if self.unloaded is None:
@@ -191,13 +202,13 @@ def sweep(
         For the first position without a solution for a torque. `NoContactState` contains the
         largest possible torque there.
     """
-    spent, slices = Account() if account is None else account, contact.slices
+    spent, mesh = Account() if account is None else account, contact.mesh
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
     core = CoreCall(
         contact=contact,
-        n_sites=core_sites(contact),
-        motion=_motion(contact, positions),
+        n_sites=core_sites(mesh),
+        motion=_motion(mesh, positions),
         torques_Nmm=torques,
         records=records_of(contact),
         account=spent,
@@ -212,13 +223,14 @@ def sweep(
         positions,
         torques,
         found.certificate,
-        has_friction=contact.friction is not None,
+        has_friction=mesh.friction is not None,
         holds=core.holds,
     )
-    if slices is not None:
-        spent.count(slices=slices.count * positions.size * torques.size)
-    by_torque = (_sweep_of(found, contact.pairing, t, torque) for t, torque in enumerate(torques))
-    return tuple(by_torque if slices is None else (_over_slices(one, slices) for one in by_torque))
+    by_torque = (_sweep_of(found, mesh.pairing, t, torque) for t, torque in enumerate(torques))
+    if mesh.slices.plane:
+        return tuple(by_torque)
+    spent.count(slices=mesh.slices.count * positions.size * torques.size)
+    return tuple(_over_slices(one, mesh.slices) for one in by_torque)
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
@@ -254,14 +266,14 @@ def _over_slices(found: Sweep, slices: Slices) -> Sweep:
     coast = found.coast
     if coast is not None:
         own, _ = _summed(coast, slices)
-        coast = replace(coast, **own, pairs=coast.pairs.in_slices(slices.count))
+        coast = replace(coast, **own, pairs=replace(coast.pairs, slice_count=slices.count))
     return replace(
         found,
         **sums,
         site_force_per_torque=sums["site_force_N"] / (found.torque_Nmm or 1.0),
         slices=states,
         coast=coast,
-        pairs=found.pairs.in_slices(slices.count),
+        pairs=replace(found.pairs, slice_count=slices.count),
     )
 
 
@@ -290,12 +302,12 @@ def _summed(found: Sweep | CoastSweep, slices: Slices) -> tuple[dict[str, Any], 
     return sums, states
 
 
-def _motion(contact: FlankContact, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+def _motion(mesh: GearMesh, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     """(4, P) angles of both bodies, rad, and their speeds, which are 0 without friction."""
     motion = np.zeros((4, position_rad.size))
-    motion[:2] = contact.pairing.turns(position_rad)
-    if contact.friction is not None:
-        motion[2:] = contact.friction.speeds(contact.pairing, position_rad)
+    motion[:2] = mesh.pairing.turns(position_rad)
+    if mesh.friction is not None:
+        motion[2:] = mesh.friction.speeds(mesh.pairing, position_rad)
     return motion
 
 
@@ -320,12 +332,12 @@ def _sweep_of(found: CoreOutput, pairing: Pairing, t: int, torque_Nmm: float) ->
 
 def _initial_capacity(contact: FlankContact) -> int:
     """Number of allocated pairs per state, sufficient for nearly all states."""
-    pairing, slices = contact.pairing, contact.slices
+    pairing, slices = contact.mesh.pairing, contact.mesh.slices
     sides, sites = 1 if pairing.coast is None else 2, pairing.sites.size
     cells = contact.grid.zone_half_widths * contact.grid.strips_per_half_width
-    if slices is not None:
+    if not slices.plane:
         of_cells = int(min(sites, MESHING_FLANKS) * (2.0 * cells + LEAST_CELLS))
-        lumped = contact.level == "lumped" or contact.conforms
+        lumped = contact.level == "lumped" or slices.conforming is not None
         return sides * slices.count * (2 * sites if lumped else of_cells)
     if not pairing.whole_circle:
         return sides * INITIAL_PAIRS

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flankload.pairing.gear_mesh import GearMesh
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from flankload.bodies import Body
     from flankload.bodies.root_fillet import RootFillets
     from flankload.pairing.expansion import BodyLoad
-    from flankload.pairing.friction import Friction
-    from flankload.pairing.gear_mesh import GearMesh
-    from flankload.pairing.pairing import Pairing
-    from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Discretization
     from flankload.scene.effects import Effects
 
@@ -47,13 +44,12 @@ class BodyJob:
         return self.elastic or (self.body_load is not None and self.body_load.needs_elements)
 
 
-@dataclass(frozen=True)
-class BodyPair:
-    """Two bodies with their relative position and the options of the run.
+@dataclass(frozen=True, kw_only=True)
+class BodyPair(GearMesh):
+    """The gear mesh of two bodies, of which body 1 carries the torque, and the options of the run.
 
     Attributes
     ----------
-    mesh : GearMesh
     jobs : (BodyJob, BodyJob)
     discretization : Discretization
     effects : Effects
@@ -71,7 +67,6 @@ class BodyPair:
         Note on the distance of flanks whose angles follow from files.
     """
 
-    mesh: GearMesh
     jobs: tuple[BodyJob, BodyJob]
     discretization: Discretization
     effects: Effects
@@ -85,51 +80,7 @@ class BodyPair:
     @property
     def meshes(self) -> tuple[GearMesh, ...]:
         """The only contact of two bodies."""
-        return (self.mesh,)
-
-    @property
-    def names(self) -> tuple[str, str]:
-        """Tables of both bodies in the scene."""
-        return self.mesh.names
-
-    @property
-    def bodies(self) -> tuple[Body, Body]:
-        """Both bodies."""
-        return self.mesh.bodies
-
-    @property
-    def body_1(self) -> Body:
-        """The body that the torque turns."""
-        return self.mesh.bodies[0]
-
-    @property
-    def body_2(self) -> Body:
-        """The body at rest."""
-        return self.mesh.bodies[1]
-
-    @property
-    def pairing(self) -> Pairing:
-        """Relative position of both bodies."""
-        return self.mesh.pairing
-
-    @property
-    def face_width_mm(self) -> float:
-        """Common face width."""
-        return self.mesh.face_width_mm
-
-    @property
-    def friction(self) -> Friction | None:
-        """Friction of the flanks."""
-        return self.mesh.friction
-
-    @property
-    def slices(self) -> Slices | None:
-        """Slices of the common face width of three-dimensional bodies."""
-        return self.mesh.slices
-
-    def with_mesh(self, **changes: Any) -> BodyPair:
-        """The pair with other values of fields of its mesh."""
-        return replace(self, mesh=replace(self.mesh, **changes))
+        return (self,)
 
     @property
     def period_rad(self) -> float:

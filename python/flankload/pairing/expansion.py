@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
     from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
     from flankload.pairing.pairing import Pairing
@@ -120,12 +121,15 @@ def expanded(body: Body, strain: float) -> Body:
 
 
 def expanded_slices(
-    slices: Slices, shapes: tuple[AxialShape, AxialShape], strains: tuple[float, float]
+    slices: Slices, bodies: tuple[Body, Body], strains: tuple[float, float]
 ) -> Slices:
     """Slices after uniform axial expansion of the helices of bodies of unchanged face widths."""
-    one, two = (
-        turns
-        - shape.twist_rad_per_mm * (slices.z_mm - np.mean(shape.range_mm)) * strain / (1.0 + strain)
-        for turns, shape, strain in zip(slices.turns_rad, shapes, strains, strict=True)
-    )
+
+    def turned(turns_rad: Floats, axial: AxialShape | None, strain: float) -> Floats:
+        if axial is None:
+            return turns_rad
+        from_middle = slices.z_mm - np.mean(axial.range_mm)
+        return turns_rad - axial.twist_rad_per_mm * from_middle * strain / (1.0 + strain)
+
+    one, two = (turned(slices.turns_rad[z], bodies[z].axial, strains[z]) for z in (0, 1))
     return replace(slices, turns_rad=(one, two))

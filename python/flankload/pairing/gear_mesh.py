@@ -18,26 +18,33 @@ class GearMesh:
 
     Attributes
     ----------
-    names : (str, str)
-        Tables of the bodies in the scene, such as "body_1".
     bodies : (Body, Body)
     pairing : Pairing
-    face_width_mm : float
-        Common face width.
+    slices : Slices
+        Slices of the common face width; a single one in the plane.
     friction : Friction or None
         None if the scene has no friction.
-    slices : Slices or None
-        Slices of the common face width of three-dimensional bodies.
+    names : (str, str)
+        Tables of the bodies in the scene.
     """
 
-    names: tuple[str, str]
     bodies: tuple[Body, Body]
     pairing: Pairing
-    face_width_mm: float
+    slices: Slices
     friction: Friction | None = None
-    slices: Slices | None = None
+    names: tuple[str, str] = ("body_1", "body_2")
 
     @property
-    def loaded_width_mm(self) -> float:
+    def body_1(self) -> Body:
+        """The body that drives the other one."""
+        return self.bodies[0]
+
+    @property
+    def body_2(self) -> Body:
+        """The driven body."""
+        return self.bodies[1]
+
+    @property
+    def face_width_mm(self) -> float:
         """Width that carries the load: of all slices, which expand with the bodies."""
-        return self.face_width_mm if self.slices is None else float(self.slices.width_mm.sum())
+        return float(self.slices.width_mm.sum())

@@ -55,6 +55,8 @@ class Slices:
         without.
     line_load_mm : float
         Length over which line loads are means.
+    plane : bool
+        Whether this is the only slice of a plane mesh, whose compliances are per width.
     sharp_ends : (int, int)
         Number of the body whose flanks end within those of the other one, at smaller and larger z;
         0 where both end together. Such an end is a sharp corner.
@@ -69,6 +71,7 @@ class Slices:
     turns_rad: tuple[Floats, Floats]
     removed_mm: tuple[Floats, Floats]
     line_load_mm: float
+    plane: bool = False
     sharp_ends: tuple[int, int] = (0, 0)
     of_teeth_mm: tuple[Floats | None, Floats | None] = (None, None)
     surfaces_mm: tuple[Floats | None, Floats | None] = (None, None)
@@ -94,6 +97,11 @@ class Slices:
     def width_mm(self) -> Floats:
         """(J,) Width of each slice."""
         return np.diff(self.edges_mm)
+
+    @property
+    def compliance_width_mm(self) -> float:
+        """Width by which compliances and peaks of forces per length are divided."""
+        return float(self.width_mm[0]) if self.plane else 1.0
 
     def coarser(self) -> Slices:
         """Half as many slices, each from two neighbours with the mean of their gaps."""
@@ -152,8 +160,10 @@ class Slices:
         return np.repeat(np.repeat(block, self.count, axis=0), self.count, axis=1)
 
 
-#: The plane: one slice of width 1, the same for both bodies.
-PLANE = Slices(np.array([0.0, 1.0]), 2 * (np.zeros(1),), 2 * (np.zeros(1),), line_load_mm=1.0)
+def plane_slice(face_width_mm: float) -> Slices:
+    """The only slice of a plane mesh, the same for both bodies."""
+    ends, none = 0.5 * face_width_mm * np.array([-1.0, 1.0]), np.zeros(1)
+    return Slices(ends, (none, none), (none, none), line_load_mm=face_width_mm, plane=True)
 
 
 def slices_of(

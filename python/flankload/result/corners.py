@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.bodies import Body
-    from flankload.contact.sweep import SliceStates, Sweep
+    from flankload.contact.sweep import Sweep
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.optional_results import CoastContact
     from flankload.result.result import Result
@@ -71,9 +71,10 @@ def on_corners(contact: Result | CoastContact) -> Floats:
 def corner_notes(pair: BodyPair, found: Sweep) -> Iterator[str]:
     """Warnings about contact on sharp corners, one for each kind of corner of each body."""
     at: dict[tuple[str, str], set[int]] = {}
+    end = END if pair.slices.conforming is None else END_OF_SPLINE
     for z, body in enumerate(pair.bodies):
         for p, s in _places(found, z):
-            what, cure = _end(found) if s is None else _corner(body, s)
+            what, cure = end if s is None else _corner(body, s)
             cure = cure.format(body=f"body_{z + 1}")
             at.setdefault((f"body_{z + 1} touches with {what}", cure), set()).add(p)
     for (touches, cure), positions in at.items():
@@ -90,31 +91,18 @@ def _places(found: Sweep, z: int) -> Iterator[tuple[int, float | None]]:
     """
     names = found.pairs.names
     place, force, cell = (names.index(name) for name in (f"s_{z + 1}", "force", "cell"))
-    corner = found.site_corner if found.slices is None else found.slices.corner
-    ends = () if found.slices is None else _sharp_slices(found.slices, z)
-    for p, *at in np.argwhere(corner == SiteCorner.of_body(z)).tolist():
-        if len(at) > 1 and at[1] in ends:
+    corner = found.slice_corner
+    last = corner.shape[2] - 1
+    ends = [j for j, of in zip((0, last), found.sharp_ends, strict=True) if of == z + 1]
+    for p, site, j in np.argwhere(corner == SiteCorner.of_body(z)).tolist():
+        if j in ends:
             yield p, None
             continue
         sites, table = found.pairs.at(p)
-        rows = sites == at[0]
-        if len(at) > 1:
-            rows &= found.pairs.slices_at(p) == at[1]
+        rows = (sites == site) & (found.pairs.slices_at(p) == j)
         if rows.any():
             loaded = table[rows]
             yield p, float(loaded[np.argmax(loaded[:, force] / loaded[:, cell]), place])
-
-
-def _sharp_slices(slices: SliceStates, z: int) -> tuple[int, ...]:
-    """Slices at sharp ends of body z."""
-    last = slices.force_N.shape[2] - 1
-    return tuple(j for j, of in zip((0, last), slices.sharp_ends, strict=True) if of == z + 1)
-
-
-def _end(found: Sweep) -> tuple[str, str]:
-    """The sharp end of the flanks, and the key that relieves it."""
-    assert found.slices is not None
-    return END_OF_SPLINE if found.slices.conforming else END
 
 
 def _corner(body: Body, s: float) -> tuple[str, str]:

@@ -11,7 +11,9 @@ import numpy as np
 from flankload.contact.flank_contact import FlankContact
 from flankload.contact.sweep import sweep
 from flankload.errors import ContactError
+from flankload.pairing.gear_mesh import GearMesh
 from flankload.pairing.pairing import coast_sites
+from flankload.pairing.slices import plane_slice
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.pairing import Pairing
-    from flankload.scene.discretization import Grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,24 +99,17 @@ class CoastSide:
 
     Attributes
     ----------
-    bodies : two Body
-    pairing : Pairing
-        Pairing of the mirrored pair.
+    contact : FlankContact
+        The mirrored pair at z = 0, whose compliances are for bodies that expand without forces.
     position_rad : (P,) array
         Positions of the mirrored pair.
     base_radius_mm : float
         Base radius of body 1.
-    grid : Grid
-    compliances : two BodyCompliance
-        Without forces; for bodies that expand.
     """
 
-    bodies: tuple[Body, Body]
-    pairing: Pairing
+    contact: FlankContact
     position_rad: Floats
     base_radius_mm: float
-    grid: Grid
-    compliances: tuple[BodyCompliance, BodyCompliance]
 
     @cached_property
     def gap_rad(self) -> Floats:
@@ -126,9 +120,8 @@ class CoastSide:
         return self._gaps(self.position_rad)
 
     def _gaps(self, position_rad: Floats) -> Floats:
-        contact = FlankContact(self.bodies, self.compliances, self.pairing, 1.0, self.grid)
         try:
-            (found,) = sweep(contact, position_rad, (0.0,), keep_pairs=False)
+            (found,) = sweep(self.contact, position_rad, (0.0,), keep_pairs=False)
         except ContactError:
             if position_rad.size == 1:
                 return np.full(1, np.nan)
@@ -153,15 +146,12 @@ def _coast_side(
         if any(len(shift) > 1 for shift in compliances[z].expansion.shifts.values()):
             return None, f"the expansion of body_{z + 1} is known on the working flanks only"
     assert one is not None
-    coast = CoastSide(
-        bodies=pair.bodies,
-        pairing=_mirrored(pair.pairing, pair.body_1, pair.body_2),
-        position_rad=-pair.position_rad,
-        base_radius_mm=one.base_radius_mm,
-        grid=pair.discretization.grid,
-        compliances=(compliances[0].without_elasticity(), compliances[1].without_elasticity()),
+    contact = FlankContact(
+        GearMesh(pair.bodies, _mirrored(pair.pairing, *pair.bodies), plane_slice(1.0)),
+        (compliances[0].without_elasticity(), compliances[1].without_elasticity()),
+        pair.discretization.grid,
     )
-    return coast, ""
+    return CoastSide(contact, -pair.position_rad, one.base_radius_mm), ""
 
 
 def _mirrored(pairing: Pairing, body_1: Body, body_2: Body) -> Pairing:

@@ -177,7 +177,7 @@ def root_reading(
     if root is None:
         return None
     body, axial, over_width = pair.bodies[z], compliance.modes.axial, None
-    if pair.slices is not None and axial is not None and root.range_mm is not None:
+    if axial is not None and root.range_mm is not None:
         over_width = OverWidth(root.range_mm, axial.degree, pair.slices.edges_mm)
     teeth = pair.pairing.site_teeth[z][sites]
     block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
@@ -187,7 +187,7 @@ def root_reading(
         response=root.response[block],
         mode_range_mm=compliance.modes.range_mm,
         tip=compliance.modes.tip,
-        face_width_mm=pair.mesh.loaded_width_mm,
+        face_width_mm=pair.face_width_mm,
         nodes=compliance.modes.nodes,
         over_width=over_width,
     )

@@ -56,11 +56,7 @@ def swept(
 ) -> Sweep:
     (found,) = sweep(
         FlankContact(
-            bodies or (pair.body_1, pair.body_2),
-            compliances=compliances,
-            pairing=pair.pairing,
-            face_width_mm=14.0,
-            grid=pair.discretization.grid,
+            replace(pair, bodies=bodies or pair.bodies), compliances, pair.discretization.grid
         ),
         pair.position_rad,
         [1000.0 * torque_Nm],
@@ -93,7 +89,7 @@ def test_an_even_shift_is_metal_that_touches_early(torque: float) -> None:
     deviations = tuple(
         np.full(pair.pairing.sites.size, value) for value in (modes[0], -0.5 * modes[0])
     )
-    early = pair.with_mesh(pairing=replace(pair.pairing, site_deviations_mm=deviations))
+    early = replace(pair, pairing=replace(pair.pairing, site_deviations_mm=deviations))
     by_number = swept(early, (one, two), torque)
     plain = swept(pair, (one, two), torque)
     np.testing.assert_allclose(by_modes.rotation_rad, by_number.rotation_rad, rtol=SOLVER)

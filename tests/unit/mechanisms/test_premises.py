@@ -131,13 +131,7 @@ def test_pressure_is_compared_with_the_softer_elastic_body() -> None:
     pair = build_bodies(scene)
     nothing = (no_compliance(pair.body_1), no_compliance(pair.body_2))
     (found,) = sweep(
-        FlankContact(
-            (pair.body_1, pair.body_2),
-            compliances=nothing,
-            pairing=pair.pairing,
-            face_width_mm=14.0,
-            grid=pair.discretization.grid,
-        ),
+        FlankContact(pair, nothing, pair.discretization.grid),
         pair.position_rad,
         [0.0],
     )
@@ -163,15 +157,7 @@ def test_pressures_of_slices_are_not_divided_by_the_width() -> None:
     pair = build_bodies(scene)
     nothing = (no_compliance(pair.body_1), no_compliance(pair.body_2))
     (found,) = sweep(
-        FlankContact(
-            (pair.body_1, pair.body_2),
-            compliances=nothing,
-            pairing=pair.pairing,
-            face_width_mm=14.0,
-            grid=pair.discretization.grid,
-            level="lumped",
-            slices=pair.slices,
-        ),
+        FlankContact(pair, nothing, pair.discretization.grid, "lumped"),
         pair.position_rad,
         [0.0],
     )

@@ -152,8 +152,10 @@ def without_cost(result: fl.Result) -> fl.Result:
     """A result without its cost and that of its compliances."""
     geometry = result.geometry
     if geometry is not None and geometry.coast is not None:
-        compliances = tuple(replace(part, job=JobCost()) for part in geometry.coast.compliances)
-        geometry = replace(geometry, coast=replace(geometry.coast, compliances=compliances))
+        contact = geometry.coast.contact
+        compliances = tuple(replace(part, job=JobCost()) for part in contact.compliances)
+        contact = replace(contact, compliances=compliances)
+        geometry = replace(geometry, coast=replace(geometry.coast, contact=contact))
     return replace(result, cost={}, geometry=geometry)
 
 

@@ -75,7 +75,6 @@ def test_misalignment_opens_the_gap_along_the_axis() -> None:
 def test_twist_of_both_bodies_keeps_the_flanks_conjugate() -> None:
     """A slice of a helical pair is the plane pair at another position."""
     pair = build_bodies(fl.Scene.from_dict(PAIR))
-    assert pair.slices is not None
     one, two = pair.slices.turns_rad
     np.testing.assert_allclose(two, -one * pair.pairing.ratio, rtol=1e-12)
     twist = tan(radians(20)) / (0.5 * 25 * 3 / np.cos(radians(20)))
@@ -101,7 +100,9 @@ def test_sites_include_all_pairs_of_all_slices() -> None:
     assert helical[-1] > spur[-1]
 
 
-def test_a_plane_scene_has_no_slices() -> None:
+def test_a_plane_scene_is_one_slice_of_the_face_width() -> None:
     pair = build_bodies(fl.Scene.from_dict(changed()))
-    assert pair.slices is None
+    assert pair.slices.plane
+    assert pair.slices.z_mm.tolist() == [0.0]
+    assert pair.face_width_mm == pair.slices.compliance_width_mm == 14.0
     assert pair.body_1.axial is None

@@ -209,7 +209,7 @@ def test_pitch_errors_leave_coast_flanks_where_they_are() -> None:
 def test_without_profile_the_coast_flanks_are_not_known(external: Result) -> None:
     pair = build_pair(EXTERNAL)
     pair = replace(pair, position_rad=external.position_rad)
-    unknown = pair.with_mesh(bodies=(pair.body_1, replace(pair.body_2, involute=None)))
+    unknown = replace(pair, bodies=(pair.body_1, replace(pair.body_2, involute=None)))
     from flankload.elasticity.compliance import no_compliance
     from flankload.result.geometry import pair_geometry
 

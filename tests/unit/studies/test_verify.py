@@ -312,7 +312,7 @@ def rubbing_of(
     )
     friction = friction_of(scene, pair_.body_1, pair_.pairing)
     places = tuple(Place(site, 0.0, 0.1, np.zeros((1, 2))) for site in (-1, 0))
-    return friction_of_deck(scene, pair_.with_mesh(friction=friction), places)
+    return friction_of_deck(scene, replace(pair_, friction=friction), places)
 
 
 @pytest.mark.parametrize(("driver", "sense"), [("body_1", 1), ("body_2", -1)])

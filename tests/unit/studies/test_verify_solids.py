@@ -211,8 +211,6 @@ def test_misalignment_opens_the_gap_as_in_flankload(skewed: Deck) -> None:
         SKEWED.replace({"pair.inclination_um_per_mm": 0, "pair.deviation_um_per_mm": 0})
     )
     slices, without = pair.slices, plain.slices
-    assert slices is not None
-    assert without is not None
     more = np.diff((slices.removed_mm[1] - without.removed_mm[1])[[0, -1]])
     np.testing.assert_allclose(opened, more / np.ptp(slices.z_mm), rtol=1e-6)
 

@@ -19,7 +19,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.mistakes import explained
 from flankload.mechanisms.flank_pair.positions import positions_of
 from flankload.mechanisms.flank_pair.rims import rim_notes
-from flankload.mechanisms.scene_bodies import PAIR, bodies_of, with_file_of
+from flankload.mechanisms.scene_bodies import bodies_of, with_file_of
 from flankload.pairing.body_pair import BodyJob, BodyPair
 from flankload.pairing.common_height import common_height
 from flankload.pairing.expansion import body_load_notes, body_loads_of
@@ -27,7 +27,13 @@ from flankload.pairing.friction import friction_notes, friction_of
 from flankload.pairing.gear_mesh import GearMesh
 from flankload.pairing.node_spacing import spacing_notes
 from flankload.pairing.pairing import Pairing, pair_bodies
-from flankload.pairing.slices import Slices, gap_by_misalignment, reached_positions, slices_of
+from flankload.pairing.slices import (
+    Slices,
+    gap_by_misalignment,
+    plane_slice,
+    reached_positions,
+    slices_of,
+)
 from flankload.pairing.spline_fit import tilt_notes
 from flankload.scene import MeshBody
 from flankload.scene.axial import check_hands
@@ -114,14 +120,10 @@ def _paired(
         raise with_file_of(scene, error) from None
     loads = body_loads_of(scene, pairing)
     pair = BodyPair(
-        mesh=GearMesh(
-            PAIR,
-            (one, two),
-            pairing,
-            scene.pair.face_width_mm,
-            friction=friction,
-            slices=_slices(scene, (one, two), pairing),
-        ),
+        bodies=(one, two),
+        pairing=pairing,
+        slices=_slices(scene, (one, two), pairing),
+        friction=friction,
         jobs=(
             BodyJob(effects.elastic_body_1, fillets[0], loads[0]),
             BodyJob(effects.elastic_body_2, fillets[1], loads[1]),
@@ -148,7 +150,6 @@ def _with_effects_of_files(effects: Effects, bodies: tuple[Body, Body]) -> Effec
 
 def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple[str, ...]:
     """Remarks on the bodies and the pair for the user."""
-    slices = pair.slices
     return (
         *question_notes(scene),
         *(f"body_1: {note}" for note in pair.body_1.notes),
@@ -156,7 +157,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *rim_notes(pair.names, pair.bodies),
         *spacing_notes(pair.bodies, scene.torques_Nmm, pair.face_width_mm),
         *pair.pairing.warnings,
-        *(() if slices is None or pair.pairing.coast else tilt_notes(pair.pairing.fit, slices)),
+        *(() if pair.pairing.coast else tilt_notes(pair.pairing.fit, pair.slices)),
         *window_notes,
         *friction_notes(pair.friction, pair.pairing),
         *body_load_notes(scene),
@@ -168,11 +169,11 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
     )
 
 
-def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices | None:
-    """Slices of the common face width; None in a plane scene."""
+def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices:
+    """Slices of the common face width; the only one of a plane scene."""
     one, two = (body.axial for body in bodies)
     if one is None or two is None:
-        return None
+        return plane_slice(scene.pair.face_width_mm)
     check_hands(one.hand_sign, two.hand_sign, inward=bodies[1].outward < 0)
     if pairing.fit is not None:
         return _coupling_slices(scene, bodies, (one, two))
@@ -246,8 +247,8 @@ def with_flank_distance(scene: Scene, pair: BodyPair, account: Account) -> BodyP
     if pair.body_1.flank_angle_known and pair.body_2.flank_angle_known:
         return pair
     rigid = (no_compliance(pair.body_1), no_compliance(pair.body_2))
-    grid = pair.discretization.grid
-    contact = FlankContact(pair.bodies, rigid, pair.pairing, pair.face_width_mm, grid)
+    section = GearMesh(pair.bodies, pair.pairing, plane_slice(pair.face_width_mm))
+    contact = FlankContact(section, rigid, pair.discretization.grid)
     (unloaded,) = sweep(contact, pair.position_rad[:1], [0.0], account=account)
     radius = pair.body_1.reference_radius_mm
     gap_mm = float(unloaded.rotation_rad[0]) * radius

@@ -60,7 +60,7 @@ def result_of(
     if found.coast is not None:
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
-    width = pair.mesh.loaded_width_mm
+    width = pair.face_width_mm
     pair_notes = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
@@ -70,7 +70,7 @@ def result_of(
         rotation_rad=found.rotation_rad,
         reference_radius_mm=pair.body_1.reference_radius_mm,
         site_force_N=found.site_force_N[:, carries],
-        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / _peak_width(pair, width),
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / pair.slices.compliance_width_mm,
         stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
         status=found.status,
         pair_tables=_pair_tables(pair, found.pairs, width),
@@ -99,7 +99,7 @@ def result_of(
 
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
     """A result with the optional parts: slices, coast flanks, friction."""
-    if pair.slices is not None:
+    if not pair.slices.plane:
         result = replace(
             result,
             slices=_slice_loads(pair, pair.slices, found, over_positions(result).weights).at_sites(
@@ -159,15 +159,10 @@ def _coast(
     """Contact on the coast flanks of some pair numbers."""
     return CoastContact(
         force_N=found.site_force_N[:, carries],
-        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / _peak_width(pair, width),
+        peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / pair.slices.compliance_width_mm,
         corner_contact=on_corner(found.site_corner[:, carries]),
         pair_tables=_pair_tables(pair, found.pairs, width),
     )
-
-
-def _peak_width(pair: BodyPair, width_mm: float) -> float:
-    """Width by which the peaks of a sweep are divided; those of slices are pressures."""
-    return width_mm if pair.slices is None else 1.0
 
 
 def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -185,11 +180,8 @@ def _pair_tables(pair: BodyPair, pairs: PackedPairs, width_mm: float) -> PairTab
 def _pair_table(pair: BodyPair, pairs: PackedPairs, width_mm: float, p: int) -> PairTable:
     """Contact pairs at position p."""
     column, number, slices = pairs.columns_at(p), pairs.slices_at(p), pair.slices
-    z_mm, length = None, np.asarray(width_mm)
-    if slices is not None and number is not None:
-        # the contact line of a slice and its normal are inclined by the base helix angle
-        z_mm = slices.z_mm[number]
-        length = slices.width_mm[number] * np.hypot(1.0, _slope(pair, column))
+    # the contact line of a slice and its normal are inclined by the base helix angle
+    length = slices.width_mm[number] * np.hypot(1.0, _slope(pair, column))
     half_width = pair.effects.lumped_contact and not pair.pairing.whole_circle
     return PairTable(
         site=pair.pairing.sites[pairs.at(p)[0]],
@@ -207,7 +199,7 @@ def _pair_table(pair: BodyPair, pairs: PackedPairs, width_mm: float, p: int) -> 
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
         half_width_mm=column["cell"] * (2.0 / pi) if half_width else None,
-        z_mm=z_mm,
+        z_mm=None if slices.plane else slices.z_mm[number],
     )
 
 
@@ -233,7 +225,7 @@ def _friction(
         "site": np.concatenate([pairs.sites + first for pairs, first in parts]),
         "in_section": 1.0 / np.hypot(1.0, _slope(pair, columns)),
     }
-    if pair.slices is not None:
+    if not pair.slices.plane:
         places = [pairs.slices for pairs, _ in parts]
         columns["z"] = pair.slices.from_middle_mm[np.concatenate(places)]
     summed = friction_result(
@@ -322,9 +314,7 @@ def _drawing(pair: BodyPair) -> PairDrawing:
         cam_turns_clockwise=pair.body_2.turns_clockwise if pair.pairing.motion else None,
         active_roll_mm=_active_roll_mm(pair.pairing.gear_geometry, pair.pairing.ratio, profiles),
         axial=(pair.body_1.axial, pair.body_2.axial),
-        tilted=pair.slices is not None
-        and pair.slices.conforming is not None
-        and bool(pair.slices.conforming.tilt.any()),
+        tilted=pair.slices.conforming is not None and bool(pair.slices.conforming.tilt.any()),
     )
 
 

@@ -61,7 +61,7 @@ def k_h_beta_iso(scene: Scene, pair: BodyPair, torque_Nm: float) -> float | str:
 
     one, two = scene.body_1, scene.body_2
     mesh = pair.pairing.gear_geometry
-    if not (isinstance(one, Gear) and isinstance(two, Gear)) or mesh is None or pair.slices is None:
+    if not (isinstance(one, Gear) and isinstance(two, Gear)) or mesh is None or pair.slices.plane:
         return "the formula is for two external gears"
     number = 0 if one.teeth <= two.teeth else 1
     pinion, wheel = (one, two) if number == 0 else (two, one)

@@ -40,7 +40,7 @@ def notes_of_sweep(pair: BodyPair, compliances: Compliances, found: Sweep) -> It
         pair.bodies,
         (compliances[0].modes.nodes, compliances[1].modes.nodes),
         found.torque_Nmm,
-        pair.mesh.loaded_width_mm,
+        pair.face_width_mm,
     )
     yield from corner_notes(pair, found)
     if found.slices is not None and found.slices.conforming:
@@ -54,7 +54,7 @@ def notes_of_sweep(pair: BodyPair, compliances: Compliances, found: Sweep) -> It
             f"contact ends at a kink, a rounding or an edge of a flank at "
             f"{_positions(shaped, found.status.size)}; pressures there are Hertz values and may be "
             "up to twice as high"
-            + (' (effects.contact = "pairs" resolves them)' if pair.slices is None else "")
+            + (' (effects.contact = "pairs" resolves them)' if pair.slices.plane else "")
         )
     left_out = np.flatnonzero((found.site_corner == SiteCorner.END_WOULD_TOUCH).any(axis=1))
     if left_out.size:

@@ -209,7 +209,7 @@ def estimate_sweeps(pair: BodyPair) -> int:
     return n_sweeps(
         lumped=pair.effects.lumped_contact,
         elements=bool(elements_estimated(pair)),
-        variants=0 if pair.slices is None else SLICE_VARIANTS,
+        variants=0 if pair.slices.plane else SLICE_VARIANTS,
     )
 
 
@@ -228,7 +228,7 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """States of the sweep, and of later sweeps if a torque loads the pair."""
     states = states_of(scene, pair)
     slices = {}
-    if pair.slices is not None:
+    if not pair.slices.plane:
         slices["sweep"] = pair.slices.count * states["sweep"]
         if "estimate" in states:  # its last sweep has fewer
             sweeps = estimate_sweeps(pair)

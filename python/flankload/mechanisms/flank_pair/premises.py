@@ -118,7 +118,7 @@ def broken_by_load(
     elastic = (body for body in pair.bodies if not body.rigid)
     softer = [body.material.young_modulus_MPa for body in elastic]
     # slices have pressures, cells force per length
-    width_mm = pair.face_width_mm if found.slices is None else 1.0
+    width_mm = pair.slices.compliance_width_mm
     pressure = _peak_off_corners(found) / width_mm
     if softer and pressure > PRESSURE.limit * min(softer):
         amount = f"{pressure / min(softer):.3g} of {min(softer):g} MPa"

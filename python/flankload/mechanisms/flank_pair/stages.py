@@ -51,12 +51,10 @@ def expanded_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, C
     if not any(compliance.expansion.strain for compliance in compliances):
         return pair, compliances
     one, two = compliances
-    strains, slices = (one.expansion.strain, two.expansion.strain), pair.slices
-    shapes = pair.body_1.axial, pair.body_2.axial
-    if slices is not None and shapes[0] is not None and shapes[1] is not None:
-        slices = expanded_slices(slices, (shapes[0], shapes[1]), strains)
+    strains = one.expansion.strain, two.expansion.strain
+    slices = expanded_slices(pair.slices, pair.bodies, strains)
     bodies = expanded(pair.body_1, strains[0]), expanded(pair.body_2, strains[1])
-    return pair.with_mesh(bodies=bodies, slices=slices), (one.expanded(), two.expanded())
+    return replace(pair, bodies=bodies, slices=slices), (one.expanded(), two.expanded())
 
 
 def contact_of(
@@ -64,13 +62,9 @@ def contact_of(
 ) -> FlankContact:
     """The contact of the bodies of a scene, on the cells of their discretization or others."""
     return FlankContact(
-        pair.bodies,
+        pair,
         compliances,
-        pair.pairing,
-        face_width_mm=pair.face_width_mm,
-        grid=grid or pair.discretization.grid,
-        level=scene.effects.contact,
-        friction=pair.friction,
+        grid or pair.discretization.grid,
+        scene.effects.contact,
         finite_steps=FINITE_STEPS if pair.effects.finite_influence else 0,
-        slices=pair.slices,
     )

@@ -263,9 +263,10 @@ def _weights(pair: BodyPair) -> NDArray[np.float64]:
 def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
     """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
     found = reduced_compliances(compliances)
-    if pair.slices is not None:
+    if not pair.slices.plane:
         fewer = tuple(each.fewer_axial_modes(REDUCED_DEGREES) for each in compliances)
-        found |= {"axial": {"compliances": fewer}, "slices": {"slices": pair.slices.coarser()}}
+        coarser = replace(pair, slices=pair.slices.coarser())
+        found |= {"axial": {"compliances": fewer}, "slices": {"mesh": coarser}}
     return found
 
 
@@ -274,7 +275,7 @@ def _sources(
 ) -> dict[str, Callable[[Sweep], dict[str, RemainingError]]]:
     """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
     sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {}
-    if pair.slices is None:
+    if pair.slices.plane:
         sources["tip"] = partial(tip_error, pair=pair, compliances=compliances)
     if pair.pitches is None:
         return sources

@@ -17,6 +17,7 @@ from flankload.mechanisms.flank_pair.rims import rim_notes
 from flankload.mechanisms.scene_bodies import bodies_of, with_file_of
 from flankload.pairing.body_pair import BodyJob
 from flankload.pairing.gear_mesh import GearMesh
+from flankload.pairing.slices import plane_slice
 from flankload.pairing.stage import StagePairing, repeating_pitches, stage_pairing
 from flankload.pairing.stage_errors import StageErrors
 from flankload.pairing.stage_paths import StagePaths
@@ -87,10 +88,10 @@ class StageAssembly:
         sun, planet, ring = self.bodies
         return tuple(
             GearMesh(
-                mesh.names,
                 (planet, ring) if mesh.with_ring else (sun, planet),
                 mesh.pairing,
-                self.face_width_mm,
+                plane_slice(self.face_width_mm),
+                names=mesh.names,
             )
             for mesh in self.pairing.meshes
         )

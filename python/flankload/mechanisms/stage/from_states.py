@@ -212,7 +212,7 @@ def mesh_result(
     mesh = assembly.pairing.meshes[m]
     first = 1 if mesh.with_ring else 0
     pair = BodyPair(
-        mesh=assembly.meshes[m],
+        **vars(assembly.meshes[m]),
         jobs=(assembly.jobs[first], assembly.jobs[first + 1]),
         discretization=assembly.discretization,
         effects=assembly.effects,

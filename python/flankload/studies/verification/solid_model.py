@@ -65,7 +65,6 @@ def solid_model_of(
     Raises SceneError or FlankloadError if a body cannot be meshed or no flanks meet.
     """
     pair = coarse_bodies(scene, COARSE_PART)
-    assert pair.slices is not None
     elements = elements_per_half_width
     places = _places(pair, pair.slices, result, position, elements)
     half_width = max(place.half_width_mm for place in places)
