@@ -9,7 +9,8 @@ module flankload_lumped_contacts
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
     use flankload_friction, only: friction_lever
     use flankload_mesh, only: has_friction, mesh_type
-    use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
+    use flankload_lumped_hertz, only: hertz_half_width, least_force, least_half_width, &
+        & least_load_share
     use flankload_lumped_pass, only: lumped_system
     use flankload_lumped_place, only: near_field_of, reach_of, slide_place
     use flankload_position_zones, only: position_type
@@ -36,6 +37,7 @@ contains
             associate (z => system%of(k), place => system%places(system%of(k)), &
                 & zone => position%zones(system%of(k)))
                 place%force = forces(z)
+                place%is_narrow = .false.
                 place%reach = half_width_of(position, z, place%force)
                 place%reach_slope = 0.5_wp*place%reach/place%force
                 place%lever = zone%lever
@@ -75,6 +77,7 @@ contains
                 place%reach = min(place%reach, [zone%nearest%s_1 - zone%s_1_low, &
                     & zone%s_1_high - zone%nearest%s_1])
                 place%force = forces(z)
+                place%is_narrow = .false.
                 place%reach_slope = power*place%reach/place%force
                 call near_field_of(position%kernel(z), &
                     & least_half_width(zone%flank_length), position%most_half_width(zone%mesh), &
@@ -102,6 +105,7 @@ contains
 
         integer :: k, z, site
         logical :: found
+        real(wp) :: narrow
 
         call reserve_pairs(pairs, size(system%of))
         if (has_friction(meshes)) then
@@ -114,6 +118,10 @@ contains
             associate (zone => position%zones(z), place => system%places(z))
                 place%force = forces(z)
                 if (.not. place%force > 0.0_wp) place%force = least_load_share*system%full(z)
+                narrow = min(least_force(zone%curvature, position%kernel(z), zone%flank_length), &
+                    & least_load_share*system%full(z))
+                place%is_narrow = place%force < narrow
+                place%force = max(place%force, narrow)
                 if (.not. any(place%reach > 0.0_wp)) then
                     place%reach = hertz_half_width(place%force, zone%curvature, &
                         & position%kernel(z), zone%flank_length)

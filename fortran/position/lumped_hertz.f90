@@ -4,7 +4,7 @@ module flankload_lumped_hertz
     implicit none
     private
 
-    public :: hertz_half_width, least_half_width, least_load_share, usual_half_width
+    public :: hertz_half_width, least_force, least_half_width, least_load_share, usual_half_width
 
     !> Least half-width of near fields and cells, relative to the length of the flank: the gap
     !> between narrower cells would be a rounding error (x²/(2 rho) of a tenth of it compared with
@@ -42,5 +42,21 @@ contains
 
         half_width = sqrt(2.0_wp*max(force, 0.0_wp)*kernel/max(curvature, least_turn/flank_length))
     end function hertz_half_width
+
+    !> Return the force of a contact of the least half-width [N]: the gap of a narrower one is a
+    !> rounding error, and its near field is proportional to the force.
+    elemental function least_force(curvature, kernel, flank_length) result(force)
+        !> Sum of the curvatures of both flanks [1/mm]
+        real(wp), intent(in) :: curvature
+        !> Factor c of the logarithm [mm/N]
+        real(wp), intent(in) :: kernel
+        !> Length of flank 1 [mm]
+        real(wp), intent(in) :: flank_length
+        real(wp) :: force
+
+        force = 0.0_wp
+        if (kernel > 0.0_wp) force = 0.5_wp*max(0.0_wp, curvature) &
+            & *least_half_width(flank_length)**2/kernel
+    end function least_force
 
 end module flankload_lumped_hertz

@@ -5,6 +5,7 @@
 !> X_ij T_j, and the torque row is sum_i (m_i F_i + l_i T_i) = M. Terms that are nonlinear in F are
 !> linearized about the last forces, and the contact loop solves the linear problem.
 module flankload_lumped_pass
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     use flankload_kinds, only: wp
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
@@ -12,7 +13,7 @@ module flankload_lumped_pass
     use flankload_lapack, only: potrf, solve_cholesky
     use flankload_lumped_place, only: place_type
     use flankload_mesh, only: body_type, has_friction, mesh_type
-    use flankload_motion_rows, only: rates_of, solve_motions
+    use flankload_motion_rows, only: closed_by_motions, rates_of, solve_motions
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state, take_contact
     use flankload_zone_influence, only: add_other_influences
@@ -101,8 +102,8 @@ contains
         n = size(system%of)
         slides = size(system%tangential, 2) > 0
         last = forces(system%of)
-        call linearise(meshes, position, system, state%motion, secant .or. .not. last > 0.0_wp, &
-            & linear)
+        call linearise(meshes, position, system, state%motion, secant &
+            & .or. .not. last > 0.0_wp .or. system%places(system%of)%is_narrow, linear)
         call solve_contact_problem(linear%matrix, linear%gaps, linear%levers, linear%rows, &
             & linear%loads, merge(general_matrix, symmetric_matrix, slides), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
@@ -159,7 +160,8 @@ contains
         type(equations_type) :: linear
 
         found = forces(system%of)
-        call linearise(meshes, position, system, motion, .not. found > 0.0_wp, linear)
+        call linearise(meshes, position, system, motion, .not. found > 0.0_wp &
+            & .or. system%places(system%of)%is_narrow, linear)
         call keep_places(linear%matrix, linear%gaps, linear%levers, linear%rows, linear%loads, &
             & found, motion, solved)
         if (solved) forces(system%of) = found
@@ -195,7 +197,9 @@ contains
                 & through_origin, line, beside)
             ! levers also depend on the force: this effect is of the order of the tolerance, but it
             ! matters for the derivatives
-            open = position%gap(system%of) - matmul(rates, motion)
+            open = position%gap(system%of) - closed_by_motions(rates, motion)
+            ! a free body (of motion NaN) carries nothing, whatever its gaps
+            where (ieee_is_nan(open)) open = 0.0_wp
             line = line + places%lever_slope*open
             beside = beside - places%lever_slope*open*places%force
             allocate (linear%levers, linear%rows, mold=rates)

@@ -38,6 +38,9 @@ module flankload_lumped_place
         !> Tangential force on body 1 along its flank [N], and its derivative with respect to the
         !> normal force
         real(wp) :: tangential = 0.0_wp, tangential_slope = 0.0_wp
+        !> True if the force is less than that of the least half-width, for which the contact is
+        !> evaluated: the near field is proportional to it
+        logical :: is_narrow = .false.
     end type place_type
 
 contains

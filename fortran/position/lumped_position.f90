@@ -20,7 +20,7 @@ module flankload_lumped_position
     use flankload_lumped_hertz, only: least_load_share
     use flankload_lumped_pass, only: couple, lumped_system, solve_pass, step_places
     use flankload_lumped_place, only: place_type
-    use flankload_motion_rows, only: pair_rates, solve_motions
+    use flankload_motion_rows, only: closed_by_motions, pair_rates, solve_motions
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, may_touch, position_state, &
         & would_touch
@@ -147,9 +147,32 @@ contains
         end if
         if (allocated(error)) return
         included = forces > 0.0_wp .or. may_touch(position, motion)
+        if (size(loads) > 1) call include_nearest(position, motion, included)
         call widen_slices(bodies, meshes, [(maxval([(half_width_of(position, z, forces(z)), z=1, &
             & size(forces))], mask=position%zones%mesh == m), m=1, size(meshes))], position)
     end subroutine begin
+
+    !> Include the nearest zone of each mesh: forces in one of two meshes of a body balance no load,
+    !> and forces that just balance the loads without a third body may not do so in the next pass.
+    pure subroutine include_nearest(position, motion, included)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Estimated motions, shape (motions)
+        real(wp), intent(in) :: motion(:)
+        !> True for zones that are considered, shape (zones)
+        logical, intent(inout) :: included(:)
+
+        integer :: m
+        real(wp) :: open(size(included))
+
+        open = position%gap - closed_by_motions(position%rates, motion)
+        do m = 1, maxval(position%zones%mesh)
+            associate (own => position%zones%mesh == m)
+                if (any(own) .and. .not. any(included .and. own)) included(minloc(open, dim=1, &
+                    & mask=own)) = .true.
+            end associate
+        end do
+    end subroutine include_nearest
 
     !> Include other contacts that touch, and widen slices whose contacts are wider than K allows.
     pure subroutine extend(bodies, meshes, forces, motion, position, included, system, complete)

@@ -29,10 +29,11 @@ module flankload_mesh
         enumerator :: rotation
     end enum
 
-    !> Motion of a body.
+    !> Motion of a body, or of several bodies together.
     type :: motion_type
-        !> Number of the body
+        !> Numbers of the first body and of the last one
         integer :: body = 1
+        integer :: last = 1
         !> along_x, along_y or rotation (counter-clockwise)
         integer :: kind = rotation
         !> 1, or -1 for the opposite direction

@@ -12,8 +12,8 @@ module flankload_motion_rows
     implicit none
     private
 
-    public :: closed_by_displacements, in_fixed_frame, pair_rates, rates_of, zone_rates
-    public :: displace_pairs, solve_motions, turned_to_fixed_frame
+    public :: closed_by_displacements, closed_by_motions, in_fixed_frame, pair_rates, rates_of
+    public :: displace_pairs, solve_motions, turned_to_fixed_frame, zone_rates
 
 contains
 
@@ -82,20 +82,19 @@ contains
         integer :: b
 
         rate = 0.0_wp
-        b = 0
-        if (mesh%bodies(2) == motion%body) b = 2
-        if (mesh%bodies(1) == motion%body) b = 1
-        if (b == 0) return
-        associate (along => mesh%direction, y => mesh%sense*side*closing(2, b))
-            select case (motion%kind)
-            case (along_x)
-                rate = motion%sign*(along(1)*closing(1, b) - along(2)*y)
-            case (along_y)
-                rate = motion%sign*(along(2)*closing(1, b) + along(1)*y)
-            case default
-                rate = motion%sign*mesh%sense*side*closing(3, b)
-            end select
-        end associate
+        do b = 1, 2
+            if (mesh%bodies(b) < motion%body .or. mesh%bodies(b) > motion%last) cycle
+            associate (along => mesh%direction, y => mesh%sense*side*closing(2, b))
+                select case (motion%kind)
+                case (along_x)
+                    rate = rate + motion%sign*(along(1)*closing(1, b) - along(2)*y)
+                case (along_y)
+                    rate = rate + motion%sign*(along(2)*closing(1, b) + along(1)*y)
+                case default
+                    rate = rate + motion%sign*mesh%sense*side*closing(3, b)
+                end select
+            end associate
+        end do
     end function rate_of
 
     !> Return the rates of the motions at zones.
@@ -135,6 +134,24 @@ contains
             end do
         end do
     end function pair_rates
+
+    !> Return the rotation of body 1 of its mesh by which the motions close each gap [rad]; NaN at
+    !> the places of a free body, whose motion is NaN.
+    pure function closed_by_motions(rates, motion) result(closed)
+        !> Rates of the motions, shape (n, motions)
+        real(wp), intent(in) :: rates(:, :)
+        !> Motions [rad or mm], shape (motions)
+        real(wp), intent(in) :: motion(:)
+        !> shape (n)
+        real(wp) :: closed(size(rates, 1))
+
+        integer :: c
+
+        closed = 0.0_wp
+        do c = 1, size(motion)
+            where (abs(rates(:, c)) > 0.0_wp) closed = closed + rates(:, c)*motion(c)
+        end do
+    end function closed_by_motions
 
     !> Return the rotation of body 1 of its mesh by which known displacements of all bodies close a
     !> gap [rad].

@@ -1,12 +1,13 @@
 !> State of a position under a torque, for all contact models.
 module flankload_position_state
-    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
     use flankload_status, only: invalid_scale, no_contact_state, site_end_would_touch, &
         & site_off_corners, site_touches
     use flankload_error, only: error_type
     use flankload_contact_result, only: contact_result
     use flankload_contact_pairs, only: pairs_type, reserve_pairs
+    use flankload_motion_rows, only: closed_by_motions
     use flankload_position_zones, only: position_type
     implicit none
     private
@@ -173,8 +174,11 @@ contains
 
         real(wp) :: closed(size(position%zones))
 
-        closed = matmul(position%rates, motion)
-        touches = position%gap < closed + inclusion_margin*maxval(closed - position%gap)
+        closed = closed_by_motions(position%rates, motion)
+        ! a free body (of motion NaN) may touch anywhere
+        touches = ieee_is_nan(closed)
+        where (.not. touches) touches = position%gap < closed + inclusion_margin &
+            & *maxval(closed - position%gap, mask=.not. touches)
     end function may_touch
 
     !> Return whether each zone would touch: its gap is closed by the motions and by the
@@ -190,12 +194,15 @@ contains
         logical :: touches(size(forces))
 
         integer :: z
+        real(wp) :: closed(size(forces))
 
+        closed = closed_by_motions(position%rates, motion)
         associate (zones => position%zones)
             do z = 1, size(zones)
-                ! the contact model covers the displacement due to forces on the same site
-                touches(z) = zones(z)%lever*(position%gap(z) - dot_product(position%rates(z, :), &
-                    & motion)) + min(0.0_wp, sum(position%coupling(z, :)*forces, &
+                ! the contact model covers the displacement due to forces on the same site; all
+                ! places of a free body (of motion NaN) are considered
+                touches(z) = ieee_is_nan(closed(z)) .or. zones(z)%lever*(position%gap(z) &
+                    & - closed(z)) + min(0.0_wp, sum(position%coupling(z, :)*forces, &
                     & mask=zones%site /= zones(z)%site)) < 0.0_wp
             end do
         end associate

@@ -306,7 +306,8 @@ contains
         real(wp), intent(in) :: loads(:)
         real(wp) :: moment
 
-        moment = sum(loads, mask=motions%body == mesh%bodies(1) .and. motions%kind == rotation)
+        moment = sum(loads, mask=motions%body == mesh%bodies(1) .and. motions%last == motions%body &
+            & .and. motions%kind == rotation)
     end function moment_on_body_1
 
     !> Set the rotations of body 1 that close the gaps of zones as a unit displacement of either

@@ -71,7 +71,8 @@ contains
             call expect(error, size(problem%meshes) >= 1, 'n_meshes', '1 or more', &
                 & size(problem%meshes))
             call expect(error, size(motions) >= 1, 'n_motions', '1 or more', size(motions))
-            call expect(error, all(motions%body >= 1 .and. motions%body <= n_bodies &
+            call expect(error, all(motions%body >= 1 .and. motions%last >= motions%body &
+                & .and. motions%last <= n_bodies &
                 & .and. motions%kind >= along_x .and. motions%kind <= rotation &
                 & .and. .not. abs(abs(motions%sign) - 1.0_wp) > 0.0_wp), 'motions', &
                 & 'bodies from 1 to '//number_text(n_bodies)//', directions 1 to 3, signs 1 or -1')

@@ -46,7 +46,8 @@ contains
         call expect(error, sum(problem%meshes%n_sites) == n_sites, 'n_sites', &
             & number_text(sum(problem%meshes%n_sites)), n_sites)
         do k = 1, size(motions, 2)
-            problem%motions(k) = motion_type(motions(1, k), motions(2, k), real(motions(3, k), wp))
+            problem%motions(k) = motion_type(motions(1, k), motions(2, k), motions(3, k), &
+                & real(motions(4, k), wp))
         end do
         do k = 1, size(angles, 3)
             problem%configurations(k)%angles = angles(:, :, k)

@@ -14,8 +14,8 @@ program test_meshes
     !> closed ring [mm/N]
     real(wp), parameter :: ring = 3.0e-7_wp
     !> The pinions turn.
-    type(motion_type), parameter :: motions(2) = [motion_type(2, rotation, 1.0_wp), &
-        & motion_type(3, rotation, 1.0_wp)]
+    type(motion_type), parameter :: motions(2) = [motion_type(2, 2, rotation, 1.0_wp), &
+        & motion_type(3, 3, rotation, 1.0_wp)]
 
     integer :: level
 

@@ -214,6 +214,57 @@ def test_a_run_out_of_the_ring_moves_a_floating_sun():
     np.testing.assert_allclose(moved, 10.0, rtol=1e-3)
 
 
+def test_a_floating_carrier_is_balanced():
+    """It moves against sun and ring, as both would together: forces on its pins have no sum."""
+    found = stage(
+        positions=SMOOTH,
+        stage={"floating": "carrier", "pin_tangential_errors_um": [20, 0, 0, 0]},
+    )
+    sums = np.abs(found.pin_force_N.sum(axis=1))
+    assert sums.max() < SOLVER * np.abs(found.pin_force_N).max()
+    assert np.abs(found.carrier_orbit_um).max() > 1.0
+    sun = stage(positions=SMOOTH, stage={"pin_tangential_errors_um": [20, 0, 0, 0]})
+    np.testing.assert_allclose(found.mesh_load_factor, sun.mesh_load_factor, rtol=5e-3)
+
+
+def test_a_free_rim_beside_a_sun_on_a_spring():
+    """A stiff spring is a fixed sun, which centres the planets in a free ring."""
+    free = {"ring_support": "free", "pin_tangential_errors_um": [20, 0, 0, 0]}
+    sprung = {"floating": "sun", "sun_stiffness_N_per_um": 1e6}
+    found = stage(positions=SMOOTH, stage={**free, **sprung})
+    fixed = stage(positions=SMOOTH, stage={**free, "floating": "ring"})
+    np.testing.assert_allclose(found.transmission_error_um, fixed.transmission_error_um, rtol=1e-5)
+    np.testing.assert_allclose(found.ring_orbit_um, fixed.ring_orbit_um, atol=1e-3)
+
+
+@pytest.mark.parametrize(("floating", "part"), [("none", 1.0), ("sun", 0.5), ("carrier", 0.5)])
+def test_without_load_the_sun_turns_until_it_is_held(floating, part):
+    """An early pin holds a fixed sun alone; one that floats turns on, to where a second holds."""
+    errors = {"floating": floating, "pin_tangential_errors_um": [20, 0, 0, 0]}
+    found = stage(positions=SMOOTH, stage=errors, load={"torque_Nm": 0}, effects={})
+    turned = -20.0 * 2.0 * np.cos(np.radians(20.0))
+    np.testing.assert_allclose(found.transmission_error_um, part * turned, atol=1e-4)
+    assert not found.site_force_N.any()
+
+
+@pytest.mark.parametrize(
+    ("floating", "errors", "torque", "at"),
+    [
+        ("carrier", [18.107, 8.927, -10.739, 11.622], 100, 5.4),
+        ("sun", [20, 0, 20, 0], 1, 0.0),
+        ("carrier", [20, 0, 0, 0], 0.01, 3.6),
+    ],
+)
+def test_two_planets_carry_all(floating, errors, torque, at):
+    """Lumped contacts of the free planets were left out, or had no levers under tiny forces."""
+    found = stage(
+        positions={"count": None, "angles_deg": [at]},
+        load={"torque_Nm": torque},
+        stage={"floating": floating, "pin_tangential_errors_um": errors},
+    )
+    np.testing.assert_allclose(found.mesh_load_factor, 2.0, rtol=1e-2)
+
+
 def test_rows_of_two_pairs_of_a_mesh_in_one_start():
     """Their rows are equal to 1e-10: a start with both had no state for the floating sun."""
     found = stage(positions={"count": None, "angles_deg": [2.249, 2.25, 2.26, 2.3]})

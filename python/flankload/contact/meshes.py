@@ -8,7 +8,7 @@ with sense -1 the frame is a mirror image, in which coast flanks touch as workin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -32,12 +32,19 @@ KINDS = {"x": 1, "y": 2, "rotation": 3}
 class Motion:
     """A motion of a body in the fixed frame: along x or y, or counter-clockwise about its axis.
 
-    `body`: from 0; `sign` -1: in the opposite direction.
+    `body`: from 0; `sign` -1: in the opposite direction; `last`: bodies from `body` to this one
+    move together.
     """
 
     body: int
     kind: Literal["x", "y", "rotation"] = "rotation"
     sign: int = 1
+    last: int | None = None
+
+    @property
+    def through(self) -> int:
+        """The last body that moves."""
+        return self.body if self.last is None else self.last
 
 
 @dataclass(frozen=True)
@@ -108,6 +115,16 @@ class MeshStates:
     site_corner: NDArray[np.int64]
     pairs: tuple[PackedPairs, ...]
 
+    def without_forces(self) -> MeshStates:
+        """The states of vanishing loads, which have motions only."""
+        none = {
+            name: np.zeros_like(getattr(self, name))
+            for name in ("resultant", "site_force_N", "site_peak_N_per_mm")
+        }
+        tangent = np.full_like(self.tangent, np.nan)
+        pairs = tuple(replace(part, count=np.zeros_like(part.count)) for part in self.pairs)
+        return replace(self, tangent=tangent, pairs=pairs, **none)
+
 
 def with_members(mesh: NDArray[np.float64], members: Members) -> NDArray[np.float64]:
     """Record of a mesh with its place among several."""
@@ -164,7 +181,9 @@ def solve_meshes(
     arguments = (
         n_sites,
         angles,
-        np.array([(m.body + 1, KINDS[m.kind], m.sign) for m in motions], dtype=np.intc).T,
+        np.array(
+            [(m.body + 1, m.through + 1, KINDS[m.kind], m.sign) for m in motions], dtype=np.intc
+        ).T,
         np.asfortranarray(np.asarray(loads, dtype=float).T),
         np.asfortranarray(np.asarray(displacements, dtype=float).transpose(2, 1, 0)),
         np.array([len(record) for record in records], dtype=np.intc),

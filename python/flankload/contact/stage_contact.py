@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -34,7 +34,11 @@ if TYPE_CHECKING:
     from flankload.pairing.stage_errors import StageErrors
     from flankload.scene.discretization import Grid
 
-Floating = Literal["none", "sun", "ring"]
+Floating = Literal["none", "sun", "ring", "carrier"]
+#: Torque in place of none, N mm per mm of the centre distance and of the face width: deflections by
+#: it are of the order of rounding errors. States without load are limits for vanishing torques, in
+#: which the members that float still follow from the balance of their forces.
+VANISHING = 1e-5
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,8 @@ class StageSupports:
     ----------
     floating : str
         The member that is free to move in the plane.
+    ring_free : bool
+        Whether the rim of the ring bends freely, so that the ring floats, too.
     pin_N_per_mm : (float, float) or None
         Radial and tangential stiffness of each pin; None if they are rigid.
     sun_N_per_mm : float or None
@@ -54,6 +60,7 @@ class StageSupports:
     """
 
     floating: Floating = "none"
+    ring_free: bool = False
     pin_N_per_mm: tuple[float, float] | None = None
     sun_N_per_mm: float | None = None
     sun_load_N: tuple[float, float] = (0.0, 0.0)
@@ -69,18 +76,27 @@ class StageSupports:
     def motions(self, count: int) -> tuple[Motion, ...]:
         """Rotations of the sun and of the planets, clockwise, then those of a floating member."""
         turning = [Motion(0), *(Motion(1 + j, sign=-1) for j in range(count))]
-        moving = {"ring": 1 + count} | ({} if self.sun_N_per_mm is not None else {"sun": 0})
-        if self.floating not in moving:
+        bodies = {"sun": (0, 0), "carrier": (1, count), "ring": (1 + count, 1 + count)}
+        member = self.moving
+        if member is None:
             return tuple(turning)
-        body = moving[self.floating]
-        return (*turning, Motion(body, "x"), Motion(body, "y"))
+        body, last = bodies[member]
+        return (*turning, Motion(body, "x", last=last), Motion(body, "y", last=last))
+
+    @property
+    def moving(self) -> Literal["sun", "ring", "carrier"] | None:
+        """The member that moves in the plane without springs."""
+        if self.ring_free:
+            return "ring"
+        if self.floating == "none" or (self.floating == "sun" and self.sun_N_per_mm is not None):
+            return None
+        return self.floating
 
     def loads(self, torques_Nmm: Sequence[float], count: int) -> Floats:
         """(T, q) Loads of the motions."""
-        q = len(self.motions(count))
-        found = np.zeros((len(torques_Nmm), q))
+        found = np.zeros((len(torques_Nmm), len(self.motions(count))))
         found[:, 0] = torques_Nmm
-        if self.floating == "sun" and q > 1 + count:
+        if self.moving == "sun":
             found[:, 1 + count :] = self.sun_load_N
         return found
 
@@ -209,6 +225,8 @@ class StageSweep:
         Displacements of sun, planets and ring by motions and supports, in the frame of the carrier.
     resultants : (P, n + 2, 3) array
         Force (N) of all contacts on sun, planets and ring, and moment about their axes (N mm).
+    carrier_mm : (P, 2) array
+        Displacement of a floating carrier.
     motions : (P, q) array
         Motions in the order of `StageSupports.motions`.
     """
@@ -217,6 +235,7 @@ class StageSweep:
     meshes: tuple[Sweep, ...]
     moved_mm: Floats
     resultants: Floats
+    carrier_mm: Floats
     motions: Floats
 
     @property
@@ -236,19 +255,29 @@ def sweep_stage(
 ) -> tuple[StageSweep, ...]:
     """Solve all positions for all torques.
 
+    A state without torque is that of a vanishing one, with lumped contact, without its forces.
+
     Raises
     ------
     FlankloadError
         For the first position without a solution.
     """
+    torques = np.asarray(torques_Nmm, dtype=float)
+    if not torques.all() and (contact.level != "lumped" or torques.any()):
+        parts = [replace(contact, level=contact.level if t else "lumped") for t in torques]
+        return tuple(
+            sweep_stage(part, position_rad, [t], keep_pairs=keep_pairs, account=account)[0]
+            for part, t in zip(parts, torques, strict=True)
+        )
     pairing, supports = contact.pairing, contact.supports
     angles = np.stack([mesh.turns(position_rad) for mesh in pairing.meshes], axis=1)
+    least = VANISHING * contact.face_width_mm * pairing.center_distance_mm
     found = solve_meshes(
         contact.body_records(),
         contact.mesh_records(),
         supports.motions(contact.count),
         angles,
-        supports.loads(torques_Nmm, contact.count),
+        supports.loads(np.where(torques > 0.0, torques, least), contact.count),
         contact.errors.displacements(pairing, position_rad),
         keep_pairs=keep_pairs,
     )
@@ -258,15 +287,15 @@ def sweep_stage(
     raise_first_failure(
         found.status,
         position_rad,
-        np.asarray(torques_Nmm, dtype=float),
+        torques,
         found.certificate.transpose(2, 0, 1),
         has_friction=False,
     )
     if progress is not None:
         progress(position_rad.size, position_rad.size)
-    return tuple(
-        _sweep_of(contact, found, t, float(torque)) for t, torque in enumerate(torques_Nmm)
-    )
+    if not torques.any():
+        found = found.without_forces()
+    return tuple(_sweep_of(contact, found, t, float(torque)) for t, torque in enumerate(torques))
 
 
 def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: float) -> StageSweep:
@@ -314,7 +343,9 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
         pairs=found.pairs[t],
         **of_torque,
     )
-    return StageSweep(planets, tuple(meshes), moved, found.resultant[:, t], motions)
+    floats = contact.supports.moving == "carrier"
+    carrier = motions[:, -2:] if floats else np.zeros((len(motions), 2))
+    return StageSweep(planets, tuple(meshes), moved, found.resultant[:, t], carrier, motions)
 
 
 def _by_planet(parts: Sequence[Floats], reduce: Any) -> Floats:
@@ -346,7 +377,8 @@ def _displacements(contact: StageContact, motions: Floats, resultants: Floats) -
     moved = np.zeros((*resultants.shape[:2], 2))
     for motion, column in zip(supports.motions(n), motions.T, strict=True):
         if motion.kind != "rotation":
-            moved[:, motion.body, "xy".index(motion.kind)] += motion.sign * column
+            bodies = slice(motion.body, motion.through + 1)
+            moved[:, bodies, "xy".index(motion.kind)] += motion.sign * column[:, np.newaxis]
     if supports.sun_N_per_mm is not None:
         moved[:, 0] += resultants[:, 0, :2] / supports.sun_N_per_mm
     for j, angle in enumerate(contact.pairing.angles_rad):

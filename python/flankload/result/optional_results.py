@@ -139,6 +139,11 @@ class EffectResults(LoadedPositions):
         return None if self.stage is None else self.stage.ring_orbit_um
 
     @per_torque
+    def carrier_orbit_um(self) -> Floats | None:
+        """(P, 2) Displacement of the carrier of a stage from the middle."""
+        return None if self.stage is None else self.stage.carrier_orbit_um
+
+    @per_torque
     def ring_torque_Nm(self) -> Floats | None:
         """(P,) Torque of the planets on the ring, clockwise; None without a stage."""
         return None if self.stage is None else self.stage.ring_torque_Nm

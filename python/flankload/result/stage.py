@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Kinds of mesh of a planet, and the index of the first one.
 MESHES = ("sun", "ring")
+#: Members that can float.
+MEMBERS = ("sun", "ring", "carrier")
 #: Largest order of the mesh frequency in the summary.
 HIGHEST_ORDER = 12
 
@@ -50,8 +52,8 @@ class StageLoads(Drive):
         Torque of the planets on the ring, clockwise, and torque on the carrier, counter-clockwise.
     transmission_error_output_urad : (P,) array
         Rotation of the carrier behind its position without load, with the ring at rest, urad.
-    sun_orbit_um, ring_orbit_um : (P, 2) arrays
-        Displacements of sun and ring.
+    sun_orbit_um, ring_orbit_um, carrier_orbit_um : (P, 2) arrays
+        Displacements of sun, ring and carrier from the middle.
     planet_force_N : (P, n, 2) array
         Force of the sun on each planet.
     pin_force_N : (P, n, 2) array
@@ -75,6 +77,7 @@ class StageLoads(Drive):
     transmission_error_output_urad: Floats = field(metadata={"P": "urad"})
     sun_orbit_um: Floats
     ring_orbit_um: Floats
+    carrier_orbit_um: Floats
     planet_force_N: Floats
     pin_force_N: Floats
     outlines: tuple[Floats, Floats, Floats]
@@ -94,7 +97,7 @@ class StageLoads(Drive):
         """Units of arrays: also of the components of orbits and forces."""
         more = {
             "P": dict.fromkeys(
-                (f"{body}_orbit_{k}_um" for body in ("sun", "ring") for k in "xy"), "um"
+                (f"{body}_orbit_{k}_um" for body in MEMBERS for k in "xy"), "um"
             ),
             "PS": dict.fromkeys(
                 (f"{of}_force_{k}_N" for of in ("planet", "pin") for k in "xy"), "N"
@@ -121,6 +124,16 @@ class StageLoads(Drive):
     def ring_orbit_y_um(self) -> Floats:
         """(P,) Displacement of the ring along y in the frame of the carrier."""
         return np.asarray(self.ring_orbit_um[..., 1])
+
+    @property
+    def carrier_orbit_x_um(self) -> Floats:
+        """(P,) Displacement of a floating carrier along x in its frame at rest."""
+        return np.asarray(self.carrier_orbit_um[..., 0])
+
+    @property
+    def carrier_orbit_y_um(self) -> Floats:
+        """(P,) Displacement of a floating carrier along y in its frame at rest."""
+        return np.asarray(self.carrier_orbit_um[..., 1])
 
     @property
     def planet_force_x_N(self) -> Floats:

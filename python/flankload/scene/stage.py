@@ -68,8 +68,11 @@ class Stage(Table, frozen=True, kw_only=True):
         ),
     ] = None
     floating: Annotated[
-        Literal["none", "sun", "ring"],
-        about("the member that is free to move in the plane; the others are centred"),
+        Literal["none", "sun", "ring", "carrier"],
+        about(
+            "the member that is free to move in the plane, 'carrier' with all pins; the others are "
+            "centred"
+        ),
     ] = "none"
     pin_tangential_errors_um: Annotated[
         Errors,
@@ -150,8 +153,7 @@ class Stage(Table, frozen=True, kw_only=True):
         Literal["clamped", "free"],
         about(
             "support of the outside of the ring's rim: 'clamped' = no point of it moves relative "
-            "to the others; 'free' = the rim of a floating ring bends, only its mean rotation is "
-            "held"
+            "to the others; 'free' = the rim bends and floats, only its mean rotation is held"
         ),
     ] = "clamped"
 
@@ -211,8 +213,12 @@ class Stage(Table, frozen=True, kw_only=True):
         if self.floating == "none":
             expected = "'clamped', or stage.floating = 'ring': nothing centres a free rim"
             refuse("stage.ring_support", expected, "'free'")
+        if self.floating == "sun" and self.sun_stiffness_N_per_um is not None:
+            return
         expected = "'clamped': a free rim floats beside the floating "
         expected += f"{self.floating}, so that the position of both is undetermined"
+        if self.floating == "sun":
+            expected += " without stage.sun_stiffness_N_per_um"
         refuse("stage.ring_support", expected, "'free'")
 
 
@@ -265,10 +271,13 @@ def _check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
 
 
 def _check_states(asked: SceneFile) -> None:
-    """Refuse states without torque, in which the planets are free, and adaptive positions."""
-    if not all(asked.load.torques_Nm):
-        expected = "a number > 0 with [stage]: without load the planets are free to turn"
-        refuse("load.torque_Nm", expected, "0")
+    """Refuse a weight on a sun that nothing holds without torque, and adaptive positions."""
+    stage = asked.stage
+    assert stage is not None
+    if stage.sun_weight_N and stage.sun_stiffness_N_per_um is None:
+        if not all(asked.load.torques_Nm):
+            expected = "a number > 0 with stage.sun_weight_N: without torque no flank carries the sun"
+            refuse("load.torque_Nm", expected, "0")
     if asked.positions.adaptive:
         expected = "false with [stage]: this version has it for two bodies"
         refuse("positions.adaptive", expected, shown(True))

@@ -108,7 +108,14 @@ def test_planets_that_collide():
             "planet.face_width_mm: expected nothing with [stage]: this version has plane stages",
         ),
         ({"planet": {"module_mm": 3.1}}, "planet.module_mm: expected 3, as in body_1.module_mm"),
-        ({"load": {"torque_Nm": 0}}, "load.torque_Nm: expected a number > 0 with [stage]"),
+        (
+            {"load": {"torque_Nm": 0}, "stage": {"sun_weight_N": 5}},
+            "load.torque_Nm: expected a number > 0 with stage.sun_weight_N",
+        ),
+        (
+            {"stage": {"floating": "carrier", "ring_support": "free"}},
+            "a free rim floats beside the floating carrier",
+        ),
         ({"positions": {"adaptive": True}}, "positions.adaptive: expected false with [stage]"),
     ],
 )

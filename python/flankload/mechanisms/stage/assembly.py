@@ -234,6 +234,7 @@ def _supports(stage: Stage) -> StageSupports:
     stiffness = stage.sun_stiffness_N_per_um
     return StageSupports(
         floating=stage.floating,
+        ring_free=stage.ring_support == "free",
         pin_N_per_mm=stage.pin_stiffness_N_per_mm,
         sun_N_per_mm=None if stiffness is None else 1000.0 * stiffness,
         sun_load_N=_weight(stage),

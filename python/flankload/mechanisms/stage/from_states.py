@@ -142,6 +142,7 @@ def _loads(
         transmission_error_output_urad=1e6 * found.planets.rotation_rad * zs / (zs + zr),
         sun_orbit_um=1000.0 * (found.moved_mm[:, 0] + np.asarray(assembly.errors.sun_at_mm)),
         ring_orbit_um=1000.0 * found.moved_mm[:, -1],
+        carrier_orbit_um=1000.0 * found.carrier_mm,
         planet_force_N=on_planets,
         pin_force_N=force[:, 1:-1, :2],
         outlines=(sun.outline, planet.outline, ring.outline),
