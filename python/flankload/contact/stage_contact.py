@@ -92,7 +92,7 @@ class StageSupports:
             return None
         return self.floating
 
-    def loads(self, torques_Nmm: Sequence[float], count: int) -> Floats:
+    def loads(self, torques_Nmm: Sequence[float] | Floats, count: int) -> Floats:
         """(T, q) Loads of the motions."""
         found = np.zeros((len(torques_Nmm), len(self.motions(count))))
         found[:, 0] = torques_Nmm

@@ -96,9 +96,7 @@ class StageLoads(Drive):
     def units(cls, axes: str) -> dict[str, str]:
         """Units of arrays: also of the components of orbits and forces."""
         more = {
-            "P": dict.fromkeys(
-                (f"{body}_orbit_{k}_um" for body in MEMBERS for k in "xy"), "um"
-            ),
+            "P": dict.fromkeys((f"{body}_orbit_{k}_um" for body in MEMBERS for k in "xy"), "um"),
             "PS": dict.fromkeys(
                 (f"{of}_force_{k}_N" for of in ("planet", "pin") for k in "xy"), "N"
             ),

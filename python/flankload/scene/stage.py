@@ -274,10 +274,10 @@ def _check_states(asked: SceneFile) -> None:
     """Refuse a weight on a sun that nothing holds without torque, and adaptive positions."""
     stage = asked.stage
     assert stage is not None
-    if stage.sun_weight_N and stage.sun_stiffness_N_per_um is None:
-        if not all(asked.load.torques_Nm):
-            expected = "a number > 0 with stage.sun_weight_N: without torque no flank carries the sun"
-            refuse("load.torque_Nm", expected, "0")
+    heavy = stage.sun_weight_N and stage.sun_stiffness_N_per_um is None
+    if heavy and not all(asked.load.torques_Nm):
+        expected = "a number > 0 with stage.sun_weight_N: nothing else carries the sun"
+        refuse("load.torque_Nm", expected, "0")
     if asked.positions.adaptive:
         expected = "false with [stage]: this version has it for two bodies"
         refuse("positions.adaptive", expected, shown(True))
