@@ -25,6 +25,7 @@ from flankload.mechanisms.stage_clock import ELEMENTS
 
 if TYPE_CHECKING:
     from bokeh.document import Document
+    from bokeh.model import Model
 
     from flankload.base.arrays import Floats
     from flankload.explorer.explorer import Explorer
@@ -36,20 +37,20 @@ if TYPE_CHECKING:
 PLAY_MS = 150
 #: Steps of the slider of the position.
 PLACES = 64
-#: After an answer is drawn, its number is returned.
-PAINTED = """
-document.getElementById("figures").innerHTML = sent.data.figures[0];
-const number = sent.data.number;
+#: Changes of models and texts, all in one message: each message of its own would be a task of the
+#: browser. Its number is returned when they are painted.
+RECEIVE = """
+const {number, changes, texts} = sent.data;
+for (const [id, properties] of changes[0]) {
+  sent.document.get_model_by_id(id).setv(properties, {sync: false});
+}
+for (const [id, text] of texts[0]) {
+  document.getElementById(id).innerHTML = text;
+}
 requestAnimationFrame(() => setTimeout(() => {
   window.flankload_painted = number[0];
   painted.data = {number: [number[0]]};
 }, 0));
-"""
-#: The status line and its class; as a widget, each text would lay the page out once more.
-STATUS = """
-const line = document.getElementById("status");
-line.innerHTML = status.data.text[0];
-line.className = status.data.mark[0];
 """
 COPY = """
 fetch("scene.toml", {cache: "no-store"}).then(answer => answer.text()).then(text => {
@@ -83,21 +84,19 @@ class Page:
         self._pinned: Answer | None = None
         self._corners: Floats | None = None
         self._derived: Answer | None = None
-        self._pictures, self._bodies, self._trail = pictures(), Bodies(), Trail(self._go)
-        self._sent_source = ColumnDataSource({"number": [0], "figures": [""]})
-        self._status = ColumnDataSource({"text": ["elements …"], "mark": [""]})
-        painted = ColumnDataSource({"number": [0]})
-        drawn = CustomJS(args={"sent": self._sent_source, "painted": painted}, code=PAINTED)
-        self._sent_source.js_on_change("data", drawn)
-        written = CustomJS(args={"status": self._status}, code=STATUS)
-        self._status.js_on_change("data", written)
-        document.js_on_event("document_ready", drawn, written)
+        self._changes, self._texts = dict[str, dict[str, Any]](), {"progress": "elements …"}
+        self._pictures = pictures(self._change)
+        self._bodies, self._trail = Bodies(self._change), Trail(self._change, self._go)
+        self._message, painted = ColumnDataSource(), ColumnDataSource({"number": [0]})
+        receive = CustomJS(args={"sent": self._message, "painted": painted}, code=RECEIVE)
+        self._message.js_on_change("data", receive)
+        document.js_on_event("document_ready", receive)
         painted.on_change("data", self._on_painted)
         document.add_root(self._named("keys", column(
             *(self._key(key) for key in explorer.shown), self._more(), sizing_mode="stretch_width",
         )))  # fmt: skip
         buttons = self._named("buttons", self._buttons())
-        buttons.tags = [self._sent_source, painted, self._status]  # parts of the document
+        buttons.tags = [self._message, painted]  # parts of the document
         document.add_root(buttons)
         for name, picture in self._pictures.items():
             document.add_root(self._named(name, picture.figure))
@@ -146,37 +145,42 @@ class Page:
         for path, (_, _, name) in self._inputs.items():
             key, reaching = self._explorer.keys[path], path in self._explorer.reaching
             text = tables.key_name(key, effects.get(path, ("", 0.0)), reaching=reaching)
-            if name.text != text:
-                name.text = text
+            self._change(name, text=text)
+        self._send()
+
+    def _change(self, model: Model, **properties: Any) -> None:
+        """Change properties of a model with the next message."""
+        self._changes.setdefault(model.id, {}).update(properties)
+
+    def _send(self, **texts: str) -> None:
+        """Send all changes and texts of elements that are not known to be painted."""
+        self._texts |= texts
+        self._sent += 1
+        changes, shown = list(self._changes.items()), list(self._texts.items())
+        self._message.data = {"number": [self._sent], "changes": [changes], "texts": [shown]}
 
     def _on_painted(self, attr: str, old: Any, new: Any) -> None:
         self._painted_number = max(self._painted_number, int(new["number"][0]))
+        if self._painted_number == self._sent:
+            self._changes, self._texts = {}, {}
         if self._waiting:
             self._show(self._waiting.pop(False))
 
     def _show(self, answer: Answer) -> None:
         """Show an answer: everything of it at once."""
-        self._document.hold("combine")
-        try:
-            if answer.sensitivity is not None:
-                self._derived = answer
-                self.mark()
-                return
-            self._sent += 1
-            self._shown = answer
-            if answer.request.source is not self:
-                self._set_values(answer)
-            if answer.at_rest and answer.result is not None and self._pinned is None:
-                self._pin()
-            self._draw(answer.result)
-            for figure in (self._bodies.figure, self._trail.figure):
-                figure.css_classes = []
-            self._say(tables.status(answer), "broken" if answer.error else "")
-            if answer.at_rest and answer.result is not None:
-                self._trail.show(self._explorer.trail, self._select.value, self._against.value)
-            self._list_figures()
-        finally:
-            self._document.unhold()
+        if answer.sensitivity is not None:
+            self._derived = answer
+            self.mark()
+            return
+        self._shown = answer
+        if answer.request.source is not self:
+            self._set_values(answer)
+        if answer.at_rest and answer.result is not None and self._pinned is None:
+            self._pin()
+        self._draw(answer.result)
+        if answer.at_rest and answer.result is not None:
+            self._trail.show(self._explorer.trail, self._select.value, self._against.value)
+        self._send(status=tables.status(answer), progress="", figures=self._figures())
 
     def _draw(self, result: Result | None) -> None:
         """Pictures and figures of a result; nothing of an older one remains."""
@@ -190,12 +194,10 @@ class Page:
             self._offer(result)
         self._draw_bodies()
 
-    def _list_figures(self) -> None:
-        """The table, which ends what is sent of an answer."""
+    def _figures(self) -> str:
+        """The table of the key figures."""
         result = self._shown.result if self._shown else None
-        pinned = self._pinned.result if self._pinned else None
-        text = tables.figures(result, pinned, self._shown)
-        self._sent_source.data = {"number": [self._sent], "figures": [text]}
+        return tables.figures(result, self._pinned.result if self._pinned else None)
 
     def _draw_bodies(self) -> None:
         result = self._shown.result if self._shown else None
@@ -227,7 +229,7 @@ class Page:
 
     def _show_progress(self, stage: str, done: int, total: int) -> None:
         words = "elements" if stage.startswith(ELEMENTS) else stage
-        self._say(f"{escape(words)}: {100 * done // max(total, 1)} %", *self._status.data["mark"])
+        self._send(progress=f"{escape(words)}: {100 * done // max(total, 1)} %")
 
     # --- widgets ----------------------------------------------------------------------------------
     def _key(self, key: Key) -> Any:
@@ -277,7 +279,7 @@ class Page:
         self._place = Slider(start=0, end=PLACES - 1, value=0, step=1, title=None, show_value=False,
                              tooltips=False, stylesheets=[self._sheet], name="position",
                              sizing_mode="stretch_width")  # fmt: skip
-        self._place.on_change("value", lambda attr, old, new: self._draw_bodies())
+        self._place.on_change("value", self._on_place)
         play = Toggle(label="▶", width=40, stylesheets=[self._sheet], name="play")
         play.on_change("active", self._on_play)
         line = row(play, self._place, sizing_mode="stretch_width")
@@ -323,6 +325,10 @@ class Page:
             keys.children.insert(-1, self._key(self._explorer.keys[new]))
             self.mark()
 
+    def _on_place(self, attr: str, old: Any, new: Any) -> None:
+        self._draw_bodies()
+        self._send()
+
     def _on_figure(self, attr: str, old: Any, new: str) -> None:
         self._trail.show(self._explorer.trail, self._select.value, self._against.value)
         self.mark()
@@ -340,7 +346,7 @@ class Page:
         if self._shown is not None and self._shown.result is not None:
             self._pin()
             self._draw(self._shown.result)
-            self._list_figures()
+            self._send(figures=self._figures())
 
     def _pin(self) -> None:
         """Keep the curves that are shown behind those to come."""
@@ -358,10 +364,7 @@ class Page:
     def _optimised(self, future: Any) -> None:
         if not future.cancelled() and (error := future.exception()) is not None:
             line = f'<span class="line">{escape(f"optimise: {error}")}</span>'
-            self._soon(partial(self._say, line, *self._status.data["mark"]))
-
-    def _say(self, text: str, mark: str = "") -> None:
-        self._status.data = {"text": [text], "mark": [mark]}
+            self._soon(partial(self._send, progress=line))
 
     def _go(self, values: dict[str, float]) -> None:
         """Go to a design of the trail."""

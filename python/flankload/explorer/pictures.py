@@ -22,13 +22,15 @@ from bokeh.plotting import figure
 from flankload.explorer.tables import FIGURES, number_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.explorer.worker import Answer
     from flankload.result import Result
 
     Columns = dict[str, Any]
+    #: Called with a model and its new properties, which a page sends together.
+    Send = Callable[..., None]
 
 #: Colours that are legible on light and on dark ground.
 NOW, PINNED, INK, LINES = "#2f86d1", "#98a0a8", "#7b848d", "#8a939c"
@@ -56,20 +58,28 @@ x_range.setv({start: (x - w) / 2, end: (x + w) / 2});
 y_range.setv({start: (y - h) / 2, end: (y + h) / 2});
 """
 BARS, MAPS = ("sites", "spectrum"), ("pattern", "line_load")
+#: Space beside curves, as part of their range.
+MARGIN = 0.1
 #: Columns of a curve without points, and of a map without values.
 NO_CURVE: Columns = {"x": [], "y": [], "corner": []}
 NO_MAP: Columns = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
 
 
 class Picture:
-    """Curves, bars or a map, with those of the pinned design behind."""
+    """Curves, bars or a map, with those of the pinned design behind.
 
-    def __init__(self, name: str) -> None:
+    Ranges are set with the data: those that follow the data draw each picture twice.
+    """
+
+    def __init__(self, name: str, send: Send) -> None:
         title, x, y = PICTURES[name]
         self.figure = empty_figure(title, x, y, HEIGHT)
-        self._is_map, self._is_bars, self._name = name in MAPS, name in BARS, name
-        empty = NO_MAP if self._is_map else NO_CURVE
-        self._now, self._pinned = ColumnDataSource(dict(empty)), ColumnDataSource(dict(empty))
+        self.figure.x_range, self.figure.y_range = Range1d(0.0, 1.0), Range1d(0.0, 1.0)
+        self._is_map, self._is_bars, self._send = name in MAPS, name in BARS, send
+        self._has_zero = not self._is_map and name != "error"
+        self._empty = NO_MAP if self._is_map else NO_CURVE
+        self._behind = dict(self._empty)
+        self._now, self._pinned = (ColumnDataSource(dict(self._empty)) for _ in range(2))
         if self._is_map:
             self._colors = LinearColorMapper(palette="Inferno256", low=0.0, high=1.0,
                                              nan_color="rgba(0, 0, 0, 0)")  # fmt: skip
@@ -79,46 +89,65 @@ class Picture:
                 ColorBar(color_mapper=self._colors, width=8, background_fill_alpha=0.0,
                          major_label_text_color=INK), "right",
             )  # fmt: skip
-        elif self._is_bars:
+            return
+        if self._is_bars:
             self.figure.vbar(x="x", top="y", width=0.8, source=self._pinned, color=PINNED,
                              fill_alpha=0.4, line_alpha=0.0)  # fmt: skip
             self.figure.vbar(x="x", top="y", width=0.45, source=self._now, color=NOW)
         else:
             look = {"line_color": PINNED, "line_width": 2.5, "line_alpha": 0.8}
-            behind = self.figure.line("x", "y", source=self._pinned, **look)
+            self.figure.line("x", "y", source=self._pinned, **look)
             self.figure.line("x", "corner", source=self._now, line_color=NOW, line_dash="dotted")
-            now = self.figure.line("x", "y", source=self._now, line_color=NOW, line_width=2)
-            self.figure.y_range.renderers = [behind, now]  # values on corners mean nothing
-        if not self._is_map and name != "error":
-            self.figure.y_range.start = 0.0
-        if not self._is_map:
-            self.figure.add_tools(HoverTool(tooltips=[("", "$x{0.000}, $y{0.0000}")]))
+            self.figure.line("x", "y", source=self._now, line_color=NOW, line_width=2)
+        self.figure.add_tools(HoverTool(tooltips=[("", "$x{0.000}, $y{0.0000}")]))
 
     def show(self, columns: Columns | None, result: Result | None) -> None:
         """Show columns of a result; nothing without columns, and no picture if it has none."""
-        absent = ["absent"] if columns is None and result is not None else []
-        if self.figure.css_classes != absent:
-            self.figure.css_classes = absent
-        empty = NO_MAP if self._is_map else NO_CURVE
-        if columns is None:
-            self._now.data = dict(empty)
+        send = self._send
+        send(self.figure, css_classes=["absent"] * (columns is None and result is not None))
+        if columns is None or result is None:
+            send(self._now, data=dict(self._empty))
             return
+        send(self._now, data=columns if self._is_map else _curve(columns))
         if self._is_map:
-            self._colors.high = float(np.nanmax(columns["image"][0], initial=1e-9))
-        self._now.data = columns if self._is_map else _curve(columns)
-        if result is not None and not result.engagement.pairs_advance:
-            self.figure.xaxis.axis_label = f"{result.engagement.position_angle}, °"
+            send(self._colors, high=float(np.nanmax(columns["image"][0], initial=1e-9)))
+            ends = ((columns[at][0], columns[at][0] + columns[size][0])
+                    for at, size in (("x", "dw"), ("y", "dh")))  # fmt: skip
+        else:
+            ends = self._ends(columns)
+        for axis, (low, high) in zip((self.figure.x_range, self.figure.y_range), ends, strict=True):
+            send(axis, start=low, end=high, reset_start=low, reset_end=high)
+        if not result.engagement.pairs_advance:
+            label = f"{result.engagement.position_angle}, °"
+            send(self.figure.xaxis[0], axis_label=label)
+
+    def _ends(self, columns: Columns) -> Iterator[tuple[float, float]]:
+        """Ends of both axes around curves or bars; values on corners mean nothing."""
+        for name in ("x", "y"):
+            values = np.concatenate([columns[name], self._behind[name]])
+            values = values[np.isfinite(values)]
+            low, high = (values.min(), values.max()) if values.size else (0.0, 1.0)
+            if name == "x" and self._is_bars:
+                yield float(low - 0.6), float(high + 0.6)
+                continue
+            margin = MARGIN * (high - low) or 0.5 * abs(high) or 0.5
+            if name == "y" and self._has_zero:
+                low, margin = 0.0, MARGIN * high or 0.5
+                yield 0.0, float(high + margin)
+            else:
+                yield float(low - margin), float(high + margin)
 
     def pin(self, columns: Columns) -> None:
         """Keep columns behind those to come."""
         if not self._is_map:
-            self._pinned.data = _curve(columns)
+            self._behind = _curve(columns)
+            self._send(self._pinned, data=self._behind)
 
 
 class Bodies:
     """Both bodies at a position, with the loads on their flanks."""
 
-    def __init__(self) -> None:
+    def __init__(self, send: Send) -> None:
         self.figure = empty_figure("Loaded bodies", "mm", "", TALL)
         self._areas = [ColumnDataSource({"x": [], "y": []}) for _ in BODIES]
         self._edges = ColumnDataSource({"x": [], "y": []})
@@ -130,29 +159,30 @@ class Bodies:
         self.figure.patches("xs", "ys", source=self._loads, color=LOAD, fill_alpha=0.8)
         self.figure.x_range, self.figure.y_range = Range1d(0.0, 1.0), Range1d(0.0, 1.0)
         undistorted = CustomJS(args={"figure": self.figure}, code=UNDISTORTED)
-        for name in ("inner_width", "inner_height"):
+        for name in ("inner_width", "inner_height", "tags"):
             self.figure.js_on_change(name, undistorted)
-        self.figure.y_range.js_on_change("end", undistorted)
         self._corners: Floats | None = None
+        self._send = send
 
     def show(self, found: dict[str, Columns], corners: Floats, degrees: float) -> None:
         """Show the columns of `bodies_of`; the window moves only with its corners."""
+        send = self._send
         if self._corners is None or not np.array_equal(corners, self._corners):
             self._corners = corners
-            (left, low), (right, high) = corners
-            self.figure.x_range.update(start=left, end=right)
-            self.figure.y_range.update(start=low, end=high)
-            self.figure.tags = [left, right, low, high]
+            (left, low), (right, high) = corners.tolist()
+            send(self.figure, tags=[left, right, low, high])
         for z, source in enumerate(self._areas, start=1):
-            source.data = found.get(f"body_{z}", {"x": [], "y": []})
-        self._edges.data, self._loads.data = found["edges"], found["loads"]
-        self.figure.title.text = f"Loaded bodies at {degrees:.2f}°"
+            send(source, data=found.get(f"body_{z}", {"x": [], "y": []}))
+        send(self._edges, data=found["edges"])
+        send(self._loads, data=found["loads"])
+        send(self.figure, css_classes=[])
+        send(self.figure.title, text=f"Loaded bodies at {degrees:.2f}°")
 
     def clear(self) -> None:
         """Show nothing."""
         for source in (*self._areas, self._edges):
-            source.data = {"x": [], "y": []}
-        self._loads.data = {"xs": [], "ys": []}
+            self._send(source, data={"x": [], "y": []})
+        self._send(self._loads, data={"xs": [], "ys": []})
 
 
 class Trail:
@@ -160,19 +190,20 @@ class Trail:
 
     Parameters
     ----------
+    send : callable
     go : callable
         Called with the values of a design that is clicked.
     """
 
-    def __init__(self, go: Callable[[dict[str, float]], None]) -> None:
+    def __init__(self, send: Send, go: Callable[[dict[str, float]], None]) -> None:
         self.figure = empty_figure("Designs so far", "", "", TALL)
         self.figure.add_tools(TapTool())
         self._all = ColumnDataSource({"x": [], "y": [], "color": []})
         self._front = ColumnDataSource({"x": [], "y": []})
         self.figure.line("x", "y", source=self._front, color=FRONT, line_width=2)
         self.figure.scatter("x", "y", source=self._all, color="color", size=9)
-        self._go, self._values = go, list[dict[str, float]]()
         self._all.selected.on_change("indices", self._on_tap)
+        self._send, self._go, self._values = send, go, list[dict[str, float]]()
 
     def show(self, trail: Sequence[Answer], y: str, x: str) -> None:
         """Show designs at rest; `x` and `y` are figures, which are better the smaller they are."""
@@ -187,11 +218,13 @@ class Trail:
         best = pareto(points)
         colours = [FRONT if k in best else PINNED for k in range(len(points))]
         colours[-1:] = [NOW] * bool(colours)
-        self._all.data = {"x": points[:, 0], "y": points[:, 1], "color": colours}
-        self._front.data = {"x": points[best, 0], "y": points[best, 1]}
-        for axis, name in ((self.figure.xaxis, x), (self.figure.yaxis, y)):
+        columns = {"x": points[:, 0], "y": points[:, 1], "color": colours}
+        self._send(self._all, data=columns)
+        self._send(self._front, data={"x": points[best, 0], "y": points[best, 1]})
+        self._send(self.figure, css_classes=[])
+        for axis, name in ((self.figure.xaxis[0], x), (self.figure.yaxis[0], y)):
             words, unit = FIGURES.get(name, ("", ""))
-            axis.axis_label = f"{words}, {unit}" if unit else words
+            self._send(axis, axis_label=f"{words}, {unit}" if unit else words)
 
     def _on_tap(self, attr: str, old: Any, new: list[int]) -> None:
         if new:
@@ -208,9 +241,9 @@ def pareto(points: Floats) -> list[int]:
     return found
 
 
-def pictures() -> dict[str, Picture]:
+def pictures(send: Send) -> dict[str, Picture]:
     """All pictures by name; each is shown where a result has it."""
-    return {name: Picture(name) for name in PICTURES}
+    return {name: Picture(name, send) for name in PICTURES}
 
 
 def empty_figure(title: str, x: str, y: str, height: int) -> Any:

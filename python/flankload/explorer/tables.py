@@ -56,7 +56,7 @@ def choices(result: Result) -> list[tuple[str, str]]:
 def status(answer: Answer) -> str:
     """Error and milliseconds of an answer, or the line why there is none."""
     if answer.error:
-        return f'<span class="line">{escape(answer.error)}</span>'
+        return f'<span class="line broken">{escape(answer.error)}</span>'
     result = answer.result
     assert result is not None
     text = f"{1e3 * answer.seconds:.0f} ms, {result.position_rad.size} positions"
@@ -73,7 +73,7 @@ def status(answer: Answer) -> str:
     return text
 
 
-def figures(result: Result | None, pinned: Result | None, shown: Answer | None) -> str:
+def figures(result: Result | None, pinned: Result | None) -> str:
     """Table of the key figures, with their differences to those of the pinned design."""
     if result is None:
         return ""
