@@ -1,4 +1,4 @@
-"""The pictures of a result as columns: curves, bars, maps, and the bodies with their loads.
+"""The pictures of a result as columns: curves, bars and maps.
 
 None depends on the kind of drive: a picture has no columns where a result has no data for it.
 """
@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.base.rotation import all_around, directions
 from flankload.plot.load_maps import contact_pattern
 from flankload.plot.picture import of_largest_force
 from flankload.plot.positions import curve, lifted, places_on_way, through_uneven, way_curve
-from flankload.report.turning import OFF, load_shape, positions_of, scales_of, thinned, window
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -23,8 +21,6 @@ if TYPE_CHECKING:
 
 #: Columns and rows of a map.
 MAP = (160, 80)
-#: Points of the circle of a bore.
-CIRCLE = 120
 #: Mesh orders of a spectrum.
 ORDERS = 5
 
@@ -96,49 +92,6 @@ def _map(
         "image": [np.where(image > 0, image, np.nan).astype(np.float32)],
         "x": [left], "y": [low], "dw": [right - left], "dh": [high - low],
     }  # fmt: skip
-
-
-def window_of(result: Result) -> Floats:
-    """(2, 2) Lower left and upper right corner of the picture of the bodies, mm."""
-    return np.array(window([result], positions_of(result)))
-
-
-def bodies_of(result: Result, part: float, corners: Floats) -> dict[str, Columns]:
-    """Both bodies and their loads at a position, given as part of the range of positions.
-
-    `body_1` and `body_2` are areas, `edges` their contours, `loads` the areas of the loads;
-    `corners` are those of `window_of`.
-    """
-    p = position_at(result, part)
-    size = float(np.ptp(corners, axis=0).max())
-    drawing = result.drawing
-    bodies = (
-        (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], drawing.bore_radius_1_mm, 0.0),
-        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.bore_radius_2_mm, 1.0),
-    )[: result.engagement.drawn_bodies]
-    found, edges = {}, []
-    for z, (outline, teeth, angle, hole_mm, apart) in enumerate(bodies, start=1):
-        center = np.array([apart * drawing.center_distance_mm, 0.0])
-        contour = center + all_around(thinned(outline, OFF * size), teeth, angle)
-        contour = np.vstack([contour, contour[:1]])
-        circle = center + (hole_mm or 0.0) * directions(np.linspace(0, -2 * np.pi, CIRCLE))
-        found[f"body_{z}"] = _columns(np.vstack([contour, circle]).T)
-        edges += [contour, np.full((1, 2), np.nan), circle, np.full((1, 2), np.nan)]
-    found["edges"] = _columns(np.vstack(edges).T)
-    table, scales = result.pairs(p), scales_of([result])
-    shapes = [
-        load_shape(result, table, p, int(s), scales, size)[0]
-        for s in np.flatnonzero(result.site_force_N[p] > 0)
-    ]
-    found["loads"] = {"xs": [shape[:, 0] for shape in shapes],
-                      "ys": [shape[:, 1] for shape in shapes]}  # fmt: skip
-    return found
-
-
-def position_at(result: Result, part: float) -> int:
-    """Index of the position at a part of their range."""
-    order = positions_of(result)
-    return order[min(int(part * len(order)), len(order) - 1)]
 
 
 def _columns(pair: Any) -> Columns:

@@ -19,7 +19,8 @@ from bokeh.models.widgets.markups import Div
 from bokeh.models.widgets.sliders import Slider
 
 from flankload.explorer import tables
-from flankload.explorer.curves import bodies_of, curves_of, maps_of, position_at, window_of
+from flankload.explorer.bodies import Window, position_at, window_of
+from flankload.explorer.curves import curves_of, maps_of
 from flankload.explorer.pictures import Bodies, Trail, pictures
 from flankload.mechanisms.stage_clock import ELEMENTS
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from bokeh.document import Document
     from bokeh.model import Model
 
-    from flankload.base.arrays import Floats
     from flankload.explorer.explorer import Explorer
     from flankload.explorer.keys import Key
     from flankload.explorer.worker import Answer
@@ -35,14 +35,18 @@ if TYPE_CHECKING:
 
 #: Milliseconds between two positions while the bodies turn.
 PLAY_MS = 150
+#: Margin of a slider, pixels: its handle is beyond both ends by half.
+HANDLE = (5, 14, 5, 14)
 #: Steps of the slider of the position.
 PLACES = 64
 #: Changes of models and texts, all in one message: each message of its own would be a task of the
 #: browser. Its number is returned when they are painted.
 RECEIVE = """
-const {number, changes, texts} = sent.data;
+const {number, moves, changes, texts} = sent.data;
 for (const [id, properties] of changes[0]) {
-  sent.document.get_model_by_id(id).setv(properties, {sync: false});
+  // a range is drawn with its data; a signal of its own would draw all layers once more
+  const silent = moves[0] && "reset_end" in properties;
+  sent.document.get_model_by_id(id).setv(properties, {sync: false, silent});
 }
 for (const [id, text] of texts[0]) {
   document.getElementById(id).innerHTML = text;
@@ -82,7 +86,7 @@ class Page:
         self._waiting: dict[bool, Answer] = {}
         self._shown: Answer | None = None
         self._pinned: Answer | None = None
-        self._corners: Floats | None = None
+        self._window: Window | None = None
         self._derived: Answer | None = None
         self._changes, self._texts = dict[str, dict[str, Any]](), {"progress": "elements …"}
         self._pictures = pictures(self._change)
@@ -157,7 +161,9 @@ class Page:
         self._texts |= texts
         self._sent += 1
         changes, shown = list(self._changes.items()), list(self._texts.items())
-        self._message.data = {"number": [self._sent], "changes": [changes], "texts": [shown]}
+        moves = self._shown is not None and not self._shown.at_rest
+        self._message.data = {"number": [self._sent], "moves": [moves], "changes": [changes],
+                              "texts": [shown]}  # fmt: skip
 
     def _on_painted(self, attr: str, old: Any, new: Any) -> None:
         self._painted_number = max(self._painted_number, int(new["number"][0]))
@@ -189,8 +195,8 @@ class Page:
             picture.show(columns.get(name), result)
         if result is not None:
             assert self._shown is not None
-            if self._shown.at_rest or self._corners is None:
-                self._corners = window_of(result)
+            if self._shown.at_rest or self._window is None:
+                self._window = window_of(result)
             self._offer(result)
         self._draw_bodies()
 
@@ -201,12 +207,10 @@ class Page:
 
     def _draw_bodies(self) -> None:
         result = self._shown.result if self._shown else None
-        if result is None or self._corners is None:
+        if result is None or self._window is None:
             self._bodies.clear()
             return
-        part = self._place.value / PLACES
-        degrees = result.position_deg[position_at(result, part)]
-        self._bodies.show(bodies_of(result, part, self._corners), self._corners, degrees)
+        self._bodies.show(result, position_at(result, self._place.value / PLACES), self._window)
 
     def _offer(self, result: Result) -> None:
         """Figures that the result has, to choose from."""
@@ -239,6 +243,7 @@ class Page:
         slider = Slider(
             start=key.low, end=key.high, step=key.step, value=key.value, show_value=False,
             title=None, stylesheets=styles, sizing_mode="stretch_width", tooltips=False,
+            margin=HANDLE,
         )  # fmt: skip
         spinner = Spinner(value=key.value, step=key.step, width=90, stylesheets=styles)
         reset = Button(label="↺", width=32, stylesheets=styles)
@@ -277,8 +282,8 @@ class Page:
     def _turning(self) -> Any:
         """The bodies with the slider of their position."""
         self._place = Slider(start=0, end=PLACES - 1, value=0, step=1, title=None, show_value=False,
-                             tooltips=False, stylesheets=[self._sheet], name="position",
-                             sizing_mode="stretch_width")  # fmt: skip
+                             tooltips=False, margin=HANDLE, stylesheets=[self._sheet],
+                             name="position", sizing_mode="stretch_width")  # fmt: skip
         self._place.on_change("value", self._on_place)
         play = Toggle(label="▶", width=40, stylesheets=[self._sheet], name="play")
         play.on_change("active", self._on_play)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from bokeh.models import (
     BoxZoomTool,
-    ColorBar,
     ColumnDataSource,
     CustomJS,
     HoverTool,
@@ -19,12 +18,14 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
+from flankload.explorer.bodies import INK, bodies_of, words_of
 from flankload.explorer.tables import FIGURES, number_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from flankload.base.arrays import Floats
+    from flankload.explorer.bodies import Window
     from flankload.explorer.worker import Answer
     from flankload.result import Result
 
@@ -33,20 +34,21 @@ if TYPE_CHECKING:
     Send = Callable[..., None]
 
 #: Colours that are legible on light and on dark ground.
-NOW, PINNED, INK, LINES = "#2f86d1", "#98a0a8", "#7b848d", "#8a939c"
-BODIES, LOAD, FRONT = ("#7fa7c9", "#c9a67f"), "#e0352b", "#e08214"
+NOW, PINNED, FRONT, LINES = "#2f86d1", "#98a0a8", "#e08214", "#8a939c"
 #: Height of a picture and of the bodies, pixels.
 HEIGHT, TALL = 220, 330
-#: Title, and labels of both axes, of each picture.
+#: Title, and labels of both axes, of each picture; that of a map has its largest value.
 PICTURES = {
     "error": ("Transmission error", "angle, °", "µm"),
     "share": ("Load share", "place in mesh pitches from the pitch point", "%"),
     "sites": ("Force of each tooth, at the largest one", "number", "N"),
     "pressure": ("Largest pressure", "place in mesh pitches from the pitch point", "MPa"),
     "spectrum": ("Spectrum of the transmission error", "mesh order", "µm"),
-    "pattern": ("Contact pattern, body 1, MPa", "axial position, mm", "diameter, mm"),
-    "line_load": ("Line load, N/mm", "place in mesh pitches", "axial position, mm"),
-}
+    "pattern": ("Contact pattern: black 0, yellow {:.0f} MPa", "axial position, mm",
+                "diameter on body 1, mm"),
+    "line_load": ("Line load: black 0, yellow {:.0f} N/mm", "place in mesh pitches",
+                  "axial position, mm"),
+}  # fmt: skip
 #: The window of the bodies, without distortion: it grows in one direction.
 UNDISTORTED = """
 const [left, right, low, high] = figure.tags;
@@ -60,8 +62,9 @@ y_range.setv({start: (y - h) / 2, end: (y + h) / 2});
 BARS, MAPS = ("sites", "spectrum"), ("pattern", "line_load")
 #: Space beside curves, as part of their range.
 MARGIN = 0.1
-#: Columns of a curve without points, and of a map without values.
+#: Columns of a curve without points, of no areas, and of a map without values.
 NO_CURVE: Columns = {"x": [], "y": [], "corner": []}
+NO_AREAS: Columns = {"xs": [], "ys": [], "fill": [], "alpha": [], "line": []}
 NO_MAP: Columns = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
 
 
@@ -72,8 +75,8 @@ class Picture:
     """
 
     def __init__(self, name: str, send: Send) -> None:
-        title, x, y = PICTURES[name]
-        self.figure = empty_figure(title, x, y, HEIGHT)
+        self._title, x, y = PICTURES[name]
+        self.figure = empty_figure(self._title, x, y, HEIGHT)
         self.figure.x_range, self.figure.y_range = Range1d(0.0, 1.0), Range1d(0.0, 1.0)
         self._is_map, self._is_bars, self._send = name in MAPS, name in BARS, send
         self._has_zero = not self._is_map and name != "error"
@@ -85,10 +88,6 @@ class Picture:
                                              nan_color="rgba(0, 0, 0, 0)")  # fmt: skip
             self.figure.image("image", x="x", y="y", dw="dw", dh="dh", source=self._now,
                               color_mapper=self._colors)  # fmt: skip
-            self.figure.add_layout(
-                ColorBar(color_mapper=self._colors, width=8, background_fill_alpha=0.0,
-                         major_label_text_color=INK), "right",
-            )  # fmt: skip
             return
         if self._is_bars:
             self.figure.vbar(x="x", top="y", width=0.8, source=self._pinned, color=PINNED,
@@ -104,15 +103,18 @@ class Picture:
     def show(self, columns: Columns | None, result: Result | None) -> None:
         """Show columns of a result; nothing without columns, and no picture if it has none."""
         send = self._send
-        send(self.figure, css_classes=["absent"] * (columns is None and result is not None))
+        absent = ["absent"] * (columns is None and result is not None)
+        send(self.figure, css_classes=absent)
         if columns is None or result is None:
             send(self._now, data=dict(self._empty))
             return
         send(self._now, data=columns if self._is_map else _curve(columns))
         if self._is_map:
-            send(self._colors, high=float(np.nanmax(columns["image"][0], initial=1e-9)))
-            ends = ((columns[at][0], columns[at][0] + columns[size][0])
-                    for at, size in (("x", "dw"), ("y", "dh")))  # fmt: skip
+            high = float(np.nanmax(columns["image"][0], initial=1e-9))
+            send(self._colors, high=high)
+            send(self.figure.title, text=self._title.format(high))
+            ends = iter([(columns[at][0], columns[at][0] + columns[size][0])
+                         for at, size in (("x", "dw"), ("y", "dh"))])  # fmt: skip
         else:
             ends = self._ends(columns)
         for axis, (low, high) in zip((self.figure.x_range, self.figure.y_range), ends, strict=True):
@@ -148,41 +150,32 @@ class Bodies:
     """Both bodies at a position, with the loads on their flanks."""
 
     def __init__(self, send: Send) -> None:
-        self.figure = empty_figure("Loaded bodies", "mm", "", TALL)
-        self._areas = [ColumnDataSource({"x": [], "y": []}) for _ in BODIES]
-        self._edges = ColumnDataSource({"x": [], "y": []})
-        self._loads = ColumnDataSource({"xs": [], "ys": []})
-        for source, colour in zip(self._areas, BODIES, strict=True):
-            self.figure.patch("x", "y", source=source, color=colour, fill_alpha=0.45,
-                              line_alpha=0.0)  # fmt: skip
-        self.figure.line("x", "y", source=self._edges, color=INK)
-        self.figure.patches("xs", "ys", source=self._loads, color=LOAD, fill_alpha=0.8)
+        self.figure = empty_figure("Loaded bodies", "", "", TALL)
+        self.figure.axis.visible, self.figure.grid.visible = False, False
+        self.figure.min_border = self.figure.min_border_left = self.figure.min_border_bottom = 0
+        self._areas = ColumnDataSource(dict(NO_AREAS))
+        self.figure.patches("xs", "ys", source=self._areas, fill_color="fill", fill_alpha="alpha",
+                            line_color="line", line_width=0.7)  # fmt: skip
         self.figure.x_range, self.figure.y_range = Range1d(0.0, 1.0), Range1d(0.0, 1.0)
         undistorted = CustomJS(args={"figure": self.figure}, code=UNDISTORTED)
         for name in ("inner_width", "inner_height", "tags"):
             self.figure.js_on_change(name, undistorted)
-        self._corners: Floats | None = None
+        self._shown: Window | None = None
         self._send = send
 
-    def show(self, found: dict[str, Columns], corners: Floats, degrees: float) -> None:
-        """Show the columns of `bodies_of`; the window moves only with its corners."""
-        send = self._send
-        if self._corners is None or not np.array_equal(corners, self._corners):
-            self._corners = corners
-            (left, low), (right, high) = corners.tolist()
-            send(self.figure, tags=[left, right, low, high])
-        for z, source in enumerate(self._areas, start=1):
-            send(source, data=found.get(f"body_{z}", {"x": [], "y": []}))
-        send(self._edges, data=found["edges"])
-        send(self._loads, data=found["loads"])
-        send(self.figure, css_classes=[])
-        send(self.figure.title, text=f"Loaded bodies at {degrees:.2f}°")
+    def show(self, result: Result, p: int, shown: Window) -> None:
+        """Show a position; the picture moves only with its window."""
+        if self._shown is not shown:
+            self._shown = shown
+            (left, low), (right, high) = shown.corners.tolist()
+            self._send(self.figure, tags=[left, right, low, high])
+        self._send(self._areas, data=bodies_of(result, p, shown))
+        self._send(self.figure, css_classes=[])
+        self._send(self.figure.title, text=words_of(result, p))
 
     def clear(self) -> None:
         """Show nothing."""
-        for source in (*self._areas, self._edges):
-            self._send(source, data={"x": [], "y": []})
-        self._send(self._loads, data={"xs": [], "ys": []})
+        self._send(self._areas, data=dict(NO_AREAS))
 
 
 class Trail:
@@ -251,11 +244,12 @@ def empty_figure(title: str, x: str, y: str, height: int) -> Any:
     made = figure(
         title=title, x_axis_label=x, y_axis_label=y, height=height,
         sizing_mode="stretch_width", tools=[BoxZoomTool(), ResetTool(), SaveTool()],
-        background_fill_alpha=0.0, border_fill_alpha=0.0, outline_line_color=LINES,
-        outline_line_alpha=0.5, toolbar_location="right", min_width=100,
+        background_fill_alpha=0.0, border_fill_alpha=0.0,
+        outline_line_color=None,  # Bokeh 3.9 strokes the last path of the drawing before with it
+        toolbar_location="right", min_width=100,
         min_border_left=64, min_border_bottom=44,  # labels that grow move nothing
     )  # fmt: skip
-    made.css_classes = ["absent"]  # until there are data: axes without any leave marks behind
+    made.css_classes = ["absent"]  # until there are data
     made.toolbar.autohide, made.toolbar.logo, made.toolbar.active_drag = True, None, None
     made.title.text_color = INK
     made.grid.grid_line_color, made.grid.grid_line_alpha = LINES, 0.25

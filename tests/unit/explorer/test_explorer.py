@@ -13,12 +13,15 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from bokeh.palettes import Inferno256
 
 import flankload as fl
+from flankload.explorer.bodies import bodies_of, position_at, window_of
 from flankload.explorer.keys import keys_of, shown_keys
 from flankload.explorer.pictures import pareto
 from flankload.explorer.worker import Answer, Request, Worker
 from tests.support.paths import SCENES
+from tests.support.solving import solve
 
 NAME = "external_gear"
 RELIEF = {"body_1.tip_relief_um": 20, "body_2.tip_relief_um": 15}
@@ -195,6 +198,28 @@ def test_keys_that_reach_the_elements_are_known() -> None:
 def test_the_front_of_designs_has_those_that_no_other_beats() -> None:
     points = np.array([[3.0, 1.0], [1.0, 3.0], [2.0, 2.0], [2.0, 2.5], [3.0, 3.0]])
     assert pareto(points) == [1, 2, 0]
+
+
+# --- bodies ---------------------------------------------------------------------------------------
+def test_teeth_over_their_width_carry_the_line_load_of_each_contact() -> None:
+    few = {"estimate": False, "tangents": False, "flank_element_mm": 3.0, "modes": 3, "slices": 6}
+    scene = scene_of("helical_gear").replace(
+        {f"accuracy.{key}": value for key, value in few.items()} | {"positions.count": 2}
+    )
+    found = solve(scene)
+    assert isinstance(found, fl.Result)
+    window = window_of(found)
+    for part, p in ((0.0, 0), (0.9, 1)):
+        assert position_at(found, part) == p
+        areas = bodies_of(found, p, window)
+        loads = found.slices.line_load_N_per_mm
+        bands = [colour for colour in areas["fill"] if colour in Inferno256]
+        assert len(bands) == 2 * np.count_nonzero(loads[p])
+        brightest = Inferno256[min(int(256 * loads[p].max() / loads.max()), 255)]
+        assert max(map(Inferno256.index, bands)) == Inferno256.index(brightest)
+        (left, low), (right, high) = window.corners
+        assert left < min(map(min, areas["xs"])) < max(map(max, areas["xs"])) < right
+        assert low < min(map(min, areas["ys"])) < max(map(max, areas["ys"])) < high
 
 
 # --- gate -----------------------------------------------------------------------------------------

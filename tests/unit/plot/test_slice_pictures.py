@@ -30,7 +30,7 @@ from flankload.plot import (
 from flankload.plot.design_study import TINTS
 from flankload.plot.figures import empty_figure, fit
 from flankload.plot.load_maps import FORCE_MAP, LOAD_MAP, PATTERN_MAP, contact_pattern
-from flankload.plot.loaded_pair_3d import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
+from flankload.plot.loaded_teeth import AXIAL_FACETS, CONTOUR_FACETS, VIEW, teeth_in_mesh
 from flankload.plot.style import new_figure
 from flankload.report.pictures import OF_BODIES, SIZE, plots_of
 from tests.support.gear_scenes import example
