@@ -132,6 +132,10 @@ void flankload_pack_mesh_(const int *n_sites, const double *axes, const double *
 void flankload_pack_part_(const int *part, const int *n_values, const double *values,
                           const int *n_record, double *record, int *info);
 
+/* Read the record in a file of `flankload record`. A positive info is its length; n_record = 0 only
+   returns this number. */
+void flankload_read_record_c(const char *name, int n_record, double *record, int *info);
+
 /* All positions and torques from the records of two bodies. */
 void flankload_sweep_(const int *n_positions, const int *n_torques, const int *n_sites,
                       const double *motion, const double *center_distance, const double *torques,

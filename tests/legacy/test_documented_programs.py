@@ -225,8 +225,8 @@ def test_every_program_of_the_documentation_is_run() -> None:
 
 
 def test_every_procedure_has_a_program() -> None:
-    """But for the tests of numbers (the examples)."""
+    """But for those of the examples: tests of numbers, records in files."""
     said = "".join(SOURCES.values()).lower()
-    said += "flankload_double_vector flankload_integer_vector"
+    said += "flankload_double_vector flankload_integer_vector flankload_read_record"
     interface = [name for name in dir(_core) if name.startswith("flankload_")]
     assert [name for name in interface if not re.search(rf"{name}(?![a-z])", said)] == []

@@ -16,7 +16,7 @@ from flankload.cli.exploring import explore
 from flankload.cli.judging import accuracy, benchmark, verify
 from flankload.cli.outputs import drop, say
 from flankload.cli.solving import plan, report, run
-from flankload.cli.writing import compliance, mesh, scene
+from flankload.cli.writing import compliance, mesh, record, scene
 from flankload.errors import FlankloadError, SceneError, one_line, readable, reason_of
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def parser() -> argparse.ArgumentParser:
             _add_run,
             _add_explore,
             _add_report_and_plan,
-            _add_mesh_and_compliance,
+            _add_bodies,
             _add_accuracy,
             _add_study,
         ),
@@ -217,7 +217,7 @@ def _add_report_and_plan(commands: Any) -> None:
     add("--dimension", "also try three dimensions of a plane scene")
 
 
-def _add_mesh_and_compliance(commands: Any) -> None:
+def _add_bodies(commands: Any) -> None:
     add = _command(commands, "mesh", mesh, "write the finite element meshes of both bodies")
     _add_set(add)
     add("-o DIR", "output folder", dest="folder", required=True)
@@ -227,6 +227,18 @@ def _add_mesh_and_compliance(commands: Any) -> None:
     add = _command(commands, "compliance", compliance, words)
     _add_set(add)
     add("-o DIR", "output folder", dest="folder", required=True)
+
+    words = "write the bodies, their meshes, motions and torques for programs in Fortran and C"
+    add = _command(commands, "record", record, words)
+    _add_set(add)
+    add("-o DIR", "output folder", dest="folder", required=True)
+    add(
+        "--format",
+        "numbers as text (default, .dat) or as their bytes (.bin)",
+        action="store",
+        choices=("text", "bytes"),
+        default="text",
+    )
 
 
 def _add_accuracy(commands: Any) -> None:

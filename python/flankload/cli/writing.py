@@ -1,4 +1,4 @@
-"""The commands scene, mesh and compliance: write a scene of a gearbox model, and its bodies."""
+"""The commands scene, mesh, compliance and record: a scene of a gearbox model, and its bodies."""
 
 from __future__ import annotations
 
@@ -100,3 +100,25 @@ def compliance(arguments: Namespace) -> None:
     for file, content in files.items():
         write_atomically(folder / file, content)
     print("\n".join(said))
+
+
+def record(arguments: Namespace) -> None:
+    """Write a file per body and mesh, and one of motions and torques; all are computed before."""
+    folder: Path = arguments.folder
+    check_outputs([], [("-o", folder, "the records", ())])
+    scene = scene_of(arguments)
+    from flankload.base.files import write_atomically
+    from flankload.contact.record_files import bytes_of, text_of
+    from flankload.mechanisms.registry import mechanism_of
+    from flankload.studies.prepared import scene_of_one_run
+
+    found = mechanism_of(scene).record_files(scene_of_one_run(scene))
+    suffix = "dat" if arguments.format == "text" else "bin"
+    paths = {folder / f"{name}.{suffix}": numbers for name, numbers in found.items()}
+    check_apart((Output("-o", path) for path in paths), scene)
+    folder.mkdir(parents=True, exist_ok=True)
+    for path, numbers in paths.items():
+        text = arguments.format == "text"
+        title = f"{path.stem} of {scene.file}"
+        write_atomically(path, text_of(numbers, title) if text else bytes_of(numbers))
+        print(f"{path}: {int(numbers[1])} numbers")

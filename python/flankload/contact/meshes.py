@@ -181,9 +181,7 @@ def solve_meshes(
     arguments = (
         n_sites,
         angles,
-        np.array(
-            [(m.body + 1, m.through + 1, KINDS[m.kind], m.sign) for m in motions], dtype=np.intc
-        ).T,
+        motion_numbers(motions),
         np.asfortranarray(np.asarray(loads, dtype=float).T),
         np.asfortranarray(np.asarray(displacements, dtype=float).transpose(2, 1, 0)),
         np.array([len(record) for record in records], dtype=np.intc),
@@ -201,6 +199,12 @@ def solve_meshes(
             break
         room *= 2
     return _states(outputs[:-1], site, table.reshape(room, n_columns))
+
+
+def motion_numbers(motions: Sequence[Motion]) -> NDArray[np.intc]:
+    """(4, q) Body, body through which it moves, kind and sign of motions for the core."""
+    numbers = [(m.body + 1, m.through + 1, KINDS[m.kind], m.sign) for m in motions]
+    return np.array(numbers, dtype=np.intc).T
 
 
 def _states(

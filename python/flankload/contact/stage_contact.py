@@ -244,6 +244,26 @@ class StageSweep:
         return self.planets.certificate
 
 
+def stage_problem(
+    contact: StageContact, position_rad: Floats, torques_Nmm: Sequence[float]
+) -> tuple[list[Floats], list[Floats], tuple[Motion, ...], Floats, Floats, Floats | None]:
+    """Arguments of `solve_meshes`: records, motions, angles, loads, displacements.
+
+    In place of the torque 0 there is a vanishing one, which keeps the flanks in contact.
+    """
+    pairing, supports = contact.pairing, contact.supports
+    torques = np.asarray(torques_Nmm, dtype=float)
+    least = VANISHING * contact.face_width_mm * pairing.center_distance_mm
+    return (
+        contact.body_records(),
+        contact.mesh_records(),
+        supports.motions(contact.count),
+        np.stack([mesh.turns(position_rad) for mesh in pairing.meshes], axis=1),
+        supports.loads(np.where(torques > 0.0, torques, least), contact.count),
+        contact.errors.displacements(pairing, position_rad),
+    )
+
+
 def sweep_stage(
     contact: StageContact,
     position_rad: Floats,
@@ -269,18 +289,8 @@ def sweep_stage(
             sweep_stage(part, position_rad, [t], keep_pairs=keep_pairs, account=account)[0]
             for part, t in zip(parts, torques, strict=True)
         )
-    pairing, supports = contact.pairing, contact.supports
-    angles = np.stack([mesh.turns(position_rad) for mesh in pairing.meshes], axis=1)
-    least = VANISHING * contact.face_width_mm * pairing.center_distance_mm
-    found = solve_meshes(
-        contact.body_records(),
-        contact.mesh_records(),
-        supports.motions(contact.count),
-        angles,
-        supports.loads(np.where(torques > 0.0, torques, least), contact.count),
-        contact.errors.displacements(pairing, position_rad),
-        keep_pairs=keep_pairs,
-    )
+    problem = stage_problem(contact, position_rad, torques_Nmm)
+    found = solve_meshes(*problem, keep_pairs=keep_pairs)
     if account is not None:
         sums = found.counters.sum(axis=(0, 1), dtype=np.int64).tolist()
         account.count(states=found.status.size, **dict(zip(CORE_COUNTERS, sums, strict=True)))

@@ -208,7 +208,7 @@ def sweep(
     core = CoreCall(
         contact=contact,
         n_sites=core_sites(mesh),
-        motion=_motion(mesh, positions),
+        motion=motion_of(mesh, positions),
         torques_Nmm=torques,
         records=records_of(contact),
         account=spent,
@@ -302,7 +302,7 @@ def _summed(found: Sweep | CoastSweep, slices: Slices) -> tuple[dict[str, Any], 
     return sums, states
 
 
-def _motion(mesh: GearMesh, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
+def motion_of(mesh: GearMesh, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
     """(4, P) angles of both bodies, rad, and their speeds, which are 0 without friction."""
     motion = np.zeros((4, position_rad.size))
     motion[:2] = mesh.pairing.turns(position_rad)

@@ -283,5 +283,8 @@ class Mechanism(Protocol[A, C, S]):
     def compliance_files(self, scene: Scene) -> Iterator[ComplianceFile]:
         """Compliances of the bodies; a SceneError if no file can hold them."""
 
+    def record_files(self, scene: Scene) -> Mapping[str, Floats]:
+        """Records of bodies, meshes and motions for the core, by name."""
+
     def fields_of_bodies(self, scene: Scene) -> Mapping[str, FieldsOfBody | str]:
         """Bodies with elements for the contact forces of results; otherwise the reason for none."""

@@ -241,6 +241,11 @@ class WrappedMechanism(ABC, Generic[A, S]):
         require_flanks(scene)
         yield from ()
 
+    def record_files(self, scene: Scene) -> dict[str, Floats]:
+        """Neither body has flanks: a SceneError."""
+        require_flanks(scene)
+        return {}
+
     def fields_of_bodies(self, scene: Scene) -> dict[str, FieldsOfBody | str]:
         """Neither body has fields: a SceneError."""
         require_flanks(scene)

@@ -8,7 +8,7 @@ from flankload.cost import Account
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms import prepare as prepare_parts
 from flankload.result import Result
-from flankload.studies.tolerance import solve_to_tolerance
+from flankload.studies.tolerance import first_scene, solve_to_tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -54,6 +54,16 @@ class Prepared:
         """
         scene = self.scene if not changes else self.scene.replace(changes)
         return solve_scene(scene, progress, self.parts)
+
+
+def scene_of_one_run(scene: Scene) -> Scene:
+    """The scene of one run: with chosen effects, and the first discretization of a tolerance."""
+    scene = first_scene(scene)
+    if scene.effects.choose is None:
+        return scene
+    from flankload.studies.plan.choice import choose_effects
+
+    return choose_effects(scene)[0]
 
 
 def solve_scene(

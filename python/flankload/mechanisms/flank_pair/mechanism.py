@@ -24,6 +24,7 @@ from flankload.mechanisms.flank_pair.states import (
     flank_states,
     incomplete_estimate_notes,
     position_notes,
+    record_files,
 )
 from flankload.mechanisms.scene_bodies import PAIR
 from flankload.pairing.body_pair import BodyPair
@@ -110,6 +111,7 @@ class FlankPair:
     data_sheet = staticmethod(data_sheet)
     mesh_files = staticmethod(files.mesh_files)
     compliance_files = staticmethod(files.compliance_files)
+    record_files = staticmethod(record_files)
     fields_of_bodies = staticmethod(field_bodies)
 
 

@@ -19,13 +19,17 @@ from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
 from flankload.base.number_text import percent
+from flankload.contact.record_files import pair_records
 from flankload.contact.status import on_corner
 from flankload.contact.sweep import known_contacts, sweep
-from flankload.cost import held_bytes
+from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.elements import account_errors_of_elements, reduced_compliances
+from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
 from flankload.mechanisms.flank_pair.premises import blame_load
-from flankload.mechanisms.flank_pair.stages import contact_of
+from flankload.mechanisms.flank_pair.stages import compliances_of, contact_of
+from flankload.mechanisms.scene_bodies import PAIR
+from flankload.mechanisms.stage_clock import StageClock
 from flankload.result.geometry import pair_geometry
 from flankload.result.position_order import order_of
 from flankload.scene.discretization import position_tolerance
@@ -39,12 +43,12 @@ if TYPE_CHECKING:
 
     from flankload.analysis.adaptive_positions import PositionErrors
     from flankload.analysis.error_rules import RemainingError
+    from flankload.base.arrays import Floats
     from flankload.contact.core_call import KnownContacts
     from flankload.contact.flank_contact import FlankContact
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.protocol import States
-    from flankload.mechanisms.stage_clock import StageClock
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.geometry import PairGeometry
     from flankload.scene import Scene
@@ -121,6 +125,19 @@ def flank_states(
         account.counters.pop(name, None)
     geometry = pair_geometry(pair, compliances)
     return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, contact)
+
+
+def record_files(scene: Scene) -> Mapping[str, Floats]:
+    """Records of both bodies, their mesh and their motion; states determine adaptive positions."""
+    account, clock = Account(), StageClock(None, PAIR, 1, {})
+    pair = with_flank_distance(scene, build_bodies(scene), account)
+    pair, compliances = compliances_of(scene, pair, clock, {})
+    if pair.adaptive:
+        accuracy = replace(scene.accuracy, tangents=False)
+        bare = replace(scene, accuracy=accuracy)
+        pair, _ = flank_states(bare, pair, compliances, clock, unloaded=False)
+    contact = contact_of(scene, pair, compliances)
+    return pair_records(contact, pair.position_rad, scene.torques_Nmm)
 
 
 def _continued_states(

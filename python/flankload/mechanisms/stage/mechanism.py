@@ -16,6 +16,7 @@ from flankload.mechanisms.stage.states import (
     compliances_of,
     counted_work,
     error_estimates,
+    record_files,
     stage_states,
     stage_sweeps,
 )
@@ -44,6 +45,7 @@ class PlanetaryStage:
     data_sheet = staticmethod(data_sheet)
     mesh_files = staticmethod(files.mesh_files)
     compliance_files = staticmethod(files.compliance_files)
+    record_files = staticmethod(record_files)
     fields_of_bodies = staticmethod(files.fields_of_bodies)
 
 

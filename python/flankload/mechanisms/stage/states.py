@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.analysis.estimate import MOST_SWEEPS, estimate_errors
 from flankload.analysis.lumped_error import measured_error
+from flankload.contact.record_files import stage_records
 from flankload.contact.stage_contact import StageContact, StageSweep, sweep_stage
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance
@@ -17,16 +18,17 @@ from flankload.mechanisms.elements import (
     reduced_compliances,
     solve_bodies,
 )
-from flankload.mechanisms.stage.assembly import NAMES, StageAssembly
-from flankload.mechanisms.stage_clock import elements_stage
+from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
+from flankload.mechanisms.stage_clock import StageClock, elements_stage
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flankload.base.arrays import Floats
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.protocol import Counted, States
     from flankload.mechanisms.reuse import Parts
-    from flankload.mechanisms.stage_clock import Kept, StageClock
+    from flankload.mechanisms.stage_clock import Kept
     from flankload.scene import Scene
 
 Compliances = tuple[BodyCompliance, BodyCompliance, BodyCompliance]
@@ -100,6 +102,14 @@ def stage_states(
         )
         account.bytes += held_bytes(found)
     return assembly, StageStates(found, contact)
+
+
+def record_files(scene: Scene) -> Mapping[str, Floats]:
+    """Records of all bodies and meshes, and their motions."""
+    assembly = assemble(scene)
+    assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
+    contact = assembly.contact(scene, compliances)
+    return stage_records(contact, assembly.position_rad, scene.torques_Nmm)
 
 
 def error_estimates(
