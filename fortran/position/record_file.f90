@@ -54,6 +54,7 @@ contains
         if (problem == 0 .and. begins_record(first, n_bytes/8)) then
             allocate (record(nint(first(2))))
             read (unit, pos=1, iostat=problem) record
+            if (problem /= 0) deallocate (record)
         end if
         close (unit)
     end subroutine read_bytes

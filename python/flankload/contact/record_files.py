@@ -58,7 +58,7 @@ def stage_records(
     ]
     parts = (
         angles.transpose(2, 1, 0),
-        motion_numbers(motions),
+        motion_numbers(motions).astype(float),
         np.asarray(loads).T,
         np.asarray(displacements).transpose(2, 1, 0),
     )
