@@ -27,8 +27,8 @@ subroutine flankload_sweep_meshes(n_positions, n_cases, n_bodies, n_meshes, n_mo
     integer, intent(in) :: n_sites
     !> Angles of both bodies of each mesh in its frame [rad]
     double precision, intent(in) :: angles(2, n_meshes, n_positions)
-    !> First and last body, kind (1, 2: displacement along x, y of the fixed frame; 3: rotation about
-    !> its axis) and sign (1 or -1) of each motion
+    !> First and last body, kind (1, 2: displacement along x, y of the fixed frame; 3: rotation
+    !> about its axis) and sign (1 or -1) of each motion
     integer, intent(in) :: motions(4, n_motions)
     !> Load of each motion: force [N] or moment [N mm] on its bodies, in its direction
     double precision, intent(in) :: loads(n_motions, n_cases)
