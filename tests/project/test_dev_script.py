@@ -55,6 +55,14 @@ def test_without_root_there_is_a_line_for_the_administrator(checkout) -> None:
     assert line.startswith("  apt-get update && apt-get install -y gfortran gcc pkg-config make")
 
 
+def test_other_systems_see_their_own_packages(checkout) -> None:
+    path = few_tools(checkout / "tools")
+    (checkout / "tools" / "apt-get").unlink()
+    script(checkout / "tools" / "pacman", "exit 100")
+    said = said_by(checkout, "install", str(checkout / "to"), PATH=path)
+    assert "  pacman -S gcc-fortran gcc pkgconf make openblas python\n" in said
+
+
 def test_without_network_apt_says_one_line(checkout) -> None:
     path = few_tools(checkout / "tools")
     script(checkout / "tools" / "id", "echo 0")

@@ -170,9 +170,9 @@ class _CountedParts(Parts):
         results = run_once(scene, earlier=Earlier(parts=self))
         stages = results[0].cost["stages"]
         counted = [
-            stages[name]["counters"].get("fe_factorisations", 0)
-            for name in ("compliance body 1", "compliance body 2")
-            if name in stages
+            stage["counters"].get("fe_factorisations", 0)
+            for name, stage in stages.items()
+            if name.startswith("compliance ")
         ]
         if self._made:
             self._factorisations.update(zip(self._made, counted, strict=True))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterable
+from contextlib import suppress
 from errno import EFBIG, EINVAL
 from pathlib import Path, PurePath
 
@@ -70,7 +71,9 @@ def would_replace(folder: Path, names: Iterable[str], file: Path) -> bool:
     The names are patterns such as "*.png" or "torque_*/body_*.vtu"; a link there leads to the file
     that would be written.
     """
-    inside = PurePath(os.path.relpath(os.path.realpath(file), os.path.realpath(folder)))
+    inside = PurePath(os.path.realpath(file))
+    with suppress(ValueError):  # on another drive of Windows
+        inside = PurePath(os.path.relpath(inside, os.path.realpath(folder)))
     for name in names:
         if len(inside.parts) == len(PurePath(name).parts) and inside.match(name):
             return True

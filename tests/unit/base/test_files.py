@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flankload.base.files import write_atomically
+from flankload.base.files import would_replace, write_atomically
 from flankload.meshes.io import write_mesh
 
 TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])
@@ -167,3 +167,11 @@ def test_links_in_a_circle_are_not_replaced(tmp_path: Path) -> None:
     assert caught.value.filename == str(link)
     assert link.is_symlink()
     assert os.listdir(tmp_path) == ["link"]
+
+
+def test_a_file_on_another_drive_of_windows_is_not_replaced(tmp_path, monkeypatch) -> None:
+    def between_drives(path: str, start: str) -> str:
+        raise ValueError("path is on mount 'C:', start on mount 'Z:'")
+
+    monkeypatch.setattr(os.path, "relpath", between_drives)
+    assert not would_replace(tmp_path, ["*.png", "torque_*/*.vtu"], Path("/elsewhere/scene.toml"))
