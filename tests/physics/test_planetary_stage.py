@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.report.turning import turning
 from flankload.studies.benchmark.case import read_cases
 from tests.support.planetary_stages import four
 from tests.support.solving import solve
@@ -263,6 +264,18 @@ def test_two_planets_carry_all(floating, errors, torque, at):
         stage={"floating": floating, "pin_tangential_errors_um": errors},
     )
     np.testing.assert_allclose(found.mesh_load_factor, 2.0, rtol=1e-2)
+
+
+def test_the_turning_picture_shows_all_bodies_and_a_spectrum_marks_orders():
+    """It showed the sun alone."""
+    found = stage(positions={"count": 4})
+    shown = turning([found])
+    assert shown.numbers == (1, 2, 1, 1, 1, 1)
+    np.testing.assert_allclose(
+        shown.centers_mm[2:], 63.0 * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]]), atol=1e-12
+    )
+    assert len(shown.data["turn"]) == 6
+    assert list(found.engagement.marked_orders) == [4, 8, 12]
 
 
 def test_rows_of_two_pairs_of_a_mesh_in_one_start():

@@ -26,6 +26,7 @@ from flankload.plot.style import (
     BODIES,
     FORCE,
     GREY,
+    INK,
     SIZE,
     at_corner,
     coast_sites,
@@ -342,7 +343,7 @@ def draw_transmission_error_spectrum(axes: Axes, results: Results) -> None:
     """Draw the amplitudes of the transmission error over the mesh orders, a bar per torque.
 
     If the period has several pitches, the orders between the mesh orders are those of a period.
-    The positions cover the period.
+    The positions cover the period. Marks are at the orders of equal planets without errors.
     """
     results = all_torques(results)
     pitches = results[0].period_pitches
@@ -357,8 +358,15 @@ def draw_transmission_error_spectrum(axes: Axes, results: Results) -> None:
     axes.grid(visible=False, axis="x")
     axes.set_xlabel("mesh order (multiple of the tooth mesh frequency)")
     axes.set_ylabel("amplitude in µm")
-    if len(results) > 1:
-        legend_below(axes, ncols=min(len(results), 5))
+    last = axes.get_xlim()[1]
+    marked = [order for order in results[0].engagement.marked_orders if order <= last]
+    if marked:
+        at_top = axes.get_xaxis_transform()
+        words = "survives without errors"
+        axes.plot(marked, [1.0] * len(marked), "v", color=INK, transform=at_top, clip_on=False,
+                  label=words)  # fmt: skip
+    if len(results) > 1 or marked:
+        legend_below(axes, ncols=min(len(results) + bool(marked), 5))
 
 
 @picture(all_torques)

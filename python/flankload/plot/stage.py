@@ -48,25 +48,24 @@ def draw_planetary_stage(axes: Axes, results: Results, *, position: int | None =
     """Draw sun, planets and ring, the forces of the sun on the planets and those on the pins."""
     result, p = _at_largest_factor(results, position)
     stage = _stage(result)
-    sun, planet, ring = stage.outlines
-    angles, n = stage.body_angles_rad[p], stage.count
-    centers = stage.center_distance_mm * directions(stage.planet_angles_rad)
-    outer = all_around(ring, stage.teeth[2], angles[-1])
-    rim = float(result.drawing.bore_radius_2_mm or np.hypot(*outer.T).max())
+    sun, ring, *planets = result.drawing.bodies
+    rim = float(ring.hole_mm or np.hypot(*ring.outline.T).max())
     axes.fill(*(rim * directions(np.linspace(0.0, 2 * np.pi, 181))).T, color=STEEL[1])
-    axes.fill(*outer.T, color="white", ec=BODIES[1], lw=0.5)
-    axes.fill(*all_around(sun, stage.teeth[0], angles[0]).T, color=STEEL[0], ec=BODIES[0], lw=0.5)
+    inside = all_around(ring.outline, ring.teeth, ring.angle[p])
+    axes.fill(*inside.T, color="white", ec=BODIES[1], lw=0.5)
+    for body in (sun, *planets):
+        contour = body.center_mm + all_around(body.outline, body.teeth, body.angle[p])
+        axes.fill(*contour.T, color=STEEL[0], ec=BODIES[0], lw=0.5)
     largest_N = max(
         float(np.hypot(*force.T).max()) for force in (stage.planet_force_N[p], stage.pin_force_N[p])
     )
     scale = LONGEST * rim / (largest_N or 1.0)
-    for j in range(n):
-        outline = all_around(planet, stage.teeth[1], angles[1 + j]) + centers[j]
-        axes.fill(*outline.T, color=STEEL[0], ec=BODIES[0], lw=0.5)
-        away = centers[j] / stage.center_distance_mm
+    for j, body in enumerate(planets):
+        center = body.center_mm
+        away = center / stage.center_distance_mm
         share = 100.0 * result.load_share[p, j]
         pin = stage.pin_force_N[p, j]
-        x, y = centers[j] - BESIDE * rim * pin / (np.hypot(*pin) or 1.0)
+        x, y = center - BESIDE * rim * pin / (np.hypot(*pin) or 1.0)
         words = f"{j + 1}: {share:.1f} %"
         axes.text(x, y, words, ha="center", va="center", fontsize=9, zorder=5)
         at_mesh = (
@@ -74,11 +73,11 @@ def draw_planetary_stage(axes: Axes, results: Results, *, position: int | None =
         ) * away
         for start, force, colour in (
             (at_mesh, stage.planet_force_N[p, j], FORCE),
-            (centers[j], stage.pin_force_N[p, j], INK),
+            (center, stage.pin_force_N[p, j], INK),
         ):
             if np.hypot(*force) > 0:
                 axes.annotate(
-                    "", start + scale * force, start,
+                    "", tuple(start + scale * force), tuple(start),
                     arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.6}, zorder=4,
                 )  # fmt: skip
     axes.plot([], [], color=FORCE, label="force of the sun on a planet")

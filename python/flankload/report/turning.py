@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import islice
 from math import ceil, degrees
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.result import PairTable, Result
+    from flankload.result.pairs import DrawnBody
 
 
 #: Most positions in a page; more are thinned evenly.
@@ -40,12 +40,12 @@ class Turning:
     """Picture of both bodies that a page turns.
 
     `view_box` is left, top, width and height in mm, y down as in SVG; `outlines` are the SVG paths
-    of the bodies in their own frames, y upwards; `center_mm` is the place of the axis of body 2 on
-    the x axis; `letter_mm` the height of the numbers of the pairs; `start` the position that is
-    shown at first; `heads` are those of the columns of the pairs; `legend` is the meaning of the
-    red areas.
+    of the bodies in their own frames, y upwards; `centers_mm` are the places of their axes, and
+    `numbers` those of body 1 or 2, whose look they have; `letter_mm` is the height of the numbers
+    of the pairs; `start` the position that is shown at first; `heads` are those of the columns of
+    the pairs; `legend` is the meaning of the red areas.
 
-    `data` is for the script: `deg` (P,) angles of the positions; `turn` of both bodies (2, P), deg;
+    `data` is for the script: `deg` (P,) angles of the positions; `turn` of the bodies (n, P), deg;
     `torques` (T,); `states` (T, P) of transmission error in um, rows of pairs (number, force in kN,
     share in %, pressure in MPa if there is one, or "corner") and loads of the pairs (path, x and y
     of the pair's number).
@@ -53,7 +53,8 @@ class Turning:
 
     view_box: str
     outlines: tuple[str, ...]
-    center_mm: float
+    centers_mm: tuple[tuple[float, float], ...]
+    numbers: tuple[int, ...]
     letter_mm: float
     start: int
     heads: tuple[str, ...]
@@ -64,39 +65,38 @@ class Turning:
 def turning(results: Sequence[Result]) -> Turning:
     """Picture of the loaded bodies at every position; results of all torques have the same ones."""
     result = results[-1]
-    drawing = result.drawing
     shown = positions_of(result)
     low, high = window(results, shown)
     size = float((high - low).max())
-    bodies = zip(
-        (drawing.outline_1, drawing.outline_2),
-        (drawing.teeth_1, drawing.teeth_2),
-        (drawing.bore_radius_1_mm, drawing.bore_radius_2_mm),
-        strict=True,
-    )
-    outlines = [
-        _outline(outline, teeth, OFF * size) + _hole(radius, _largest(outline))
-        for outline, teeth, radius in islice(bodies, result.engagement.drawn_bodies)
-    ]
-    turns = (drawing.angle_1, drawing.angle_2)[: len(outlines)]
+    bodies = drawn_bodies(result)
     pressure = ("pressure, MPa",) * result.engagement.has_pressures
     heads = (result.words_for_sites[0], "force, kN", "share, %", *pressure)
     states = [[_state_at(one, p, scales_of(results), size) for p in shown] for one in results]
     return Turning(
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
-        tuple(outlines),
-        drawing.center_distance_mm,
+        tuple(
+            _outline(body.outline, body.teeth, OFF * size)
+            + _hole(body.hole_mm, _largest(body.outline))
+            for body in bodies
+        ),
+        tuple((float(body.center_mm[0]), float(body.center_mm[1])) for body in bodies),
+        tuple(body.number for body in bodies),
         round(LETTER * size, 3),
         int(np.argmin(np.abs(np.array(shown) - _start(result)))),
         heads,
         _legend(result),
         {
             "deg": [_short(degrees(result.position_rad[p])) for p in shown],
-            "turn": [[round(degrees(angle[p]), 4) for p in shown] for angle in turns],
+            "turn": [[round(degrees(body.angle[p]), 4) for p in shown] for body in bodies],
             "torques": [one.torque_Nm for one in results],
             "states": states,
         },
     )
+
+
+def drawn_bodies(result: Result) -> tuple[DrawnBody, ...]:
+    """The bodies of the picture: a belt or a chain has no outline."""
+    return result.drawing.bodies[: result.engagement.drawn_bodies]
 
 
 def positions_of(result: Result) -> list[int]:

@@ -37,7 +37,7 @@ class Drive(Card, Engagement):
     has_mesh_orders = True
     has_pressures = False
     draws_pressures = False
-    drawn_bodies = 1
+    drawn_bodies: ClassVar[int | None] = 1
 
     @classmethod
     def units(cls, axes: str) -> dict[str, str]:

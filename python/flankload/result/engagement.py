@@ -55,8 +55,8 @@ class Engagement(ABC):
     draws_pressures: ClassVar[bool] = True
     #: Whether such a picture shows whole bodies, otherwise the surroundings of the contacts.
     draws_whole_bodies: ClassVar[bool] = True
-    #: Number of bodies that it shows as outlines.
-    drawn_bodies: ClassVar[int] = 2
+    #: Number of bodies that it shows as outlines; None: all.
+    drawn_bodies: ClassVar[int | None] = None
     #: Names of the plots that suit the results of several torques.
     over_torque: ClassVar[tuple[str, ...]] = ("torque_sweep",)
 
@@ -92,6 +92,11 @@ class Engagement(ABC):
             *["root_stress"] * stressed,
             *["root_stress_over_width"] * (stressed and result.slices is not None),
         )
+
+    @property
+    def marked_orders(self) -> range:
+        """Orders of the mesh frequency that a spectrum marks."""
+        return range(0)
 
     def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
         """Polar angle, radius and direction of a force on body 2, for a drawing.

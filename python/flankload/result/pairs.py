@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,6 +123,31 @@ class PairTables(Sequence[PairTable]):
         return self._table_of(which)
 
 
+class DrawnBody(NamedTuple):
+    """A body in a drawing.
+
+    Attributes
+    ----------
+    number : int
+        1 or 2: the look of body 1 or body 2.
+    outline : (k, 2) array
+        Toothed contour of one sector in the body's frame, mm.
+    teeth : int
+    angle : (P,) array
+        Rotation of its frame at each position, rad.
+    hole_mm : float or None
+        Radius at which it is fixed.
+    center_mm : (2,) array
+    """
+
+    number: int
+    outline: Floats
+    teeth: int
+    angle: Floats
+    hole_mm: float | None
+    center_mm: Floats
+
+
 @dataclass(frozen=True, eq=False)
 class PairDrawing:
     """Data for a drawing of the loaded pair in addition to the pair tables.
@@ -147,6 +172,8 @@ class PairDrawing:
         Face width and twist of three-dimensional bodies.
     tilted : bool
         Whether the axes of a spline are at an angle.
+    between : tuple of DrawnBody
+        Bodies between both, such as planets.
     """
 
     outline_1: Floats
@@ -163,18 +190,23 @@ class PairDrawing:
     cam_turns_clockwise: bool | None = None
     axial: tuple[AxialShape | None, AxialShape | None] = (None, None)
     tilted: bool = False
+    between: tuple[DrawnBody, ...] = ()
+
+    @property
+    def bodies(self) -> tuple[DrawnBody, ...]:
+        """All bodies: body 1, body 2, and those between them."""
+        beside = np.array([self.center_distance_mm, 0.0])
+        one = (1, self.outline_1, self.teeth_1, self.angle_1, self.bore_radius_1_mm)
+        two = (2, self.outline_2, self.teeth_2, self.angle_2, self.bore_radius_2_mm)
+        return (DrawnBody(*one, 0.0 * beside), DrawnBody(*two, beside), *self.between)
 
     def extent_mm(self, positions: Iterable[int]) -> tuple[Floats, Floats]:
         """Two corners (2,) of the rectangle around both bodies at all of these positions."""
-        bodies = (
-            (self.outline_1, self.teeth_1, self.angle_1, self.bore_radius_1_mm, 0.0),
-            (self.outline_2, self.teeth_2, self.angle_2, self.bore_radius_2_mm, 1.0),
-        )
         found = []
-        for outline, teeth, angles, rim_mm, apart in bodies:
-            center = np.array([apart * self.center_distance_mm, 0.0])
-            found += [center + all_around(outline, teeth, angles[p]) for p in positions]
-            found.append(center + np.outer([-1.0, 1.0], [rim_mm or 0.0] * 2))
+        for body in self.bodies:
+            turned = (all_around(body.outline, body.teeth, body.angle[p]) for p in positions)
+            found += [body.center_mm + outline for outline in turned]
+            found.append(body.center_mm + np.outer([-1.0, 1.0], [body.hole_mm or 0.0] * 2))
         every = np.concatenate(found)
         return every.min(axis=0), every.max(axis=0)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import gcd
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 #: Kinds of mesh of a planet, and the index of the first one.
 MESHES = ("sun", "ring")
+#: Largest deviation of equally spaced planets, rad: rounding errors.
+EQUALLY_SPACED = 1e-9
 #: Members that can float.
 MEMBERS = ("sun", "ring", "carrier")
 #: Largest order of the mesh frequency in the summary.
@@ -38,8 +41,6 @@ class StageLoads(Drive):
     center_distance_mm : float
     planet_angles_rad : (n,) array
         Polar angles of the planets.
-    body_angles_rad : (P, n + 2) array
-        Angles of the frames of sun, planets and ring.
     phases : (2, n) array
         Phases of the meshes with the sun and with the ring at position zero, in pitches.
     order : int or None
@@ -58,8 +59,6 @@ class StageLoads(Drive):
         Force of the sun on each planet.
     pin_force_N : (P, n, 2) array
         Force of each planet on its pin.
-    outlines : three (k, 2) arrays
-        Contours of one sector of sun, planet and ring.
     meshes : sequence of 2n Result
         Results of the meshes with the sun, then those with the ring.
     """
@@ -67,7 +66,6 @@ class StageLoads(Drive):
     teeth: tuple[int, int, int]
     center_distance_mm: float
     planet_angles_rad: Floats
-    body_angles_rad: Floats
     phases: Floats
     order: int | None
     orbit_orders: tuple[int, ...]
@@ -80,7 +78,6 @@ class StageLoads(Drive):
     carrier_orbit_um: Floats
     planet_force_N: Floats
     pin_force_N: Floats
-    outlines: tuple[Floats, Floats, Floats]
     meshes: Sequence[Result]
 
     name = "stage"
@@ -91,6 +88,7 @@ class StageLoads(Drive):
     pairs_advance = False
     sites_stay = True
     site_word = "planet"
+    drawn_bodies = None
 
     @classmethod
     def units(cls, axes: str) -> dict[str, str]:
@@ -158,6 +156,16 @@ class StageLoads(Drive):
         """Number of planets."""
         return self.planet_angles_rad.size
 
+    @property
+    def marked_orders(self) -> range:
+        """Orders that survive without errors, if planets are equally spaced and some vanish."""
+        n = self.count
+        places = self.planet_angles_rad - self.planet_angles_rad[0]
+        order = n // gcd(n, self.teeth[0])
+        if order == 1 or np.abs(n * places - 2 * np.pi * np.arange(n)).max() > EQUALLY_SPACED:
+            return range(0)
+        return range(order, HIGHEST_ORDER + 1, order)
+
     def mesh(self, planet: int, kind: str) -> Result:
         """Result of one mesh, planets from 1.
 
@@ -174,8 +182,14 @@ class StageLoads(Drive):
 
     def as_dict(self) -> dict[str, Any]:
         """The stage in the form of the JSON result."""
-        left_out = ("outlines", "meshes", "body_angles_rad")
-        return {name: value for name, value in vars(self).items() if name not in left_out}
+        return {name: value for name, value in vars(self).items() if name != "meshes"}
+
+    def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
+        """Force of the sun on a planet, at their pitch point."""
+        sun, planet, _ = self.teeth
+        x, y = self.planet_force_N[p, s]
+        pitch_mm = self.center_distance_mm * sun / (sun + planet)
+        return float(self.planet_angles_rad[s]), pitch_mm, float(np.arctan2(y, x))
 
     def rows(self, result: Result) -> list[str]:
         """A row per position with the shares of all planets."""

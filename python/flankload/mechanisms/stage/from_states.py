@@ -17,7 +17,7 @@ from flankload.mechanisms.stage.assembly import StageAssembly
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.stage import orbit_orders, surviving_order
 from flankload.result.geometry import pair_geometry
-from flankload.result.pairs import PairDrawing, PairTable, PairTables
+from flankload.result.pairs import DrawnBody, PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
 from flankload.result.stage import HIGHEST_ORDER, StageLoads
 
@@ -126,13 +126,12 @@ def _loads(
     # the moments of all contacts on the ring; the carrier carries the rest of the torques
     ring_torque = -force[:, -1, 2]
     on_planets = np.stack([_force_on_body_2(assembly, found, m) for m in range(n)], axis=1)
-    (zs, _, zr), (sun, planet, ring) = pairing.teeth, assembly.bodies
+    zs, _, zr = pairing.teeth
     even = pairing.equally_spaced and not assembly.errors.any and assembly.period_pitches == 1
     return StageLoads(
         teeth=pairing.teeth,
         center_distance_mm=pairing.center_distance_mm,
         planet_angles_rad=pairing.angles_rad,
-        body_angles_rad=np.column_stack(pairing.body_angles(assembly.position_rad)),
         phases=np.stack([pairing.sun_phases, pairing.ring_phases]),
         order=surviving_order(n, zs) if even else None,
         orbit_orders=orbit_orders(n, zs, HIGHEST_ORDER) if even else (),
@@ -145,7 +144,6 @@ def _loads(
         carrier_orbit_um=1000.0 * found.carrier_mm,
         planet_force_N=on_planets,
         pin_force_N=force[:, 1:-1, :2],
-        outlines=(sun.outline, planet.outline, ring.outline),
         meshes=MeshResults(scene, assembly, compliances, found),
     )
 
@@ -190,9 +188,14 @@ def _contacts(assembly: StageAssembly, found: StageSweep, width_mm: float, p: in
 
 
 def _drawing(assembly: StageAssembly) -> PairDrawing:
-    """Sun and ring at their angles."""
-    sun, _, ring = assembly.bodies
-    angle_1, _, angle_2 = assembly.pairing.body_angles(assembly.position_rad)
+    """Sun, ring and planets at their angles."""
+    (sun, planet, ring), pairing = assembly.bodies, assembly.pairing
+    angle_1, turned, angle_2 = pairing.body_angles(assembly.position_rad)
+    own = 1, planet.outline, planet.teeth
+    planets = tuple(
+        DrawnBody(*own, angle, planet.bore_radius_mm, center)
+        for angle, center in zip(turned.T, pairing.centers_mm, strict=True)
+    )
     return PairDrawing(
         outline_1=sun.outline,
         outline_2=ring.outline,
@@ -203,6 +206,7 @@ def _drawing(assembly: StageAssembly) -> PairDrawing:
         angle_2=angle_2,
         bore_radius_1_mm=sun.bore_radius_mm,
         bore_radius_2_mm=ring.bore_radius_mm,
+        between=planets,
     )
 
 
