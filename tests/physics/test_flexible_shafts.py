@@ -64,7 +64,6 @@ def tables(shaft: dict[str, Any] | None, **pinion: Any) -> dict[str, Any]:
 def line_compliance(**pinion: Any) -> np.ndarray:
     """Compliance (4, 4) between line loads P_b as in `SOLID`, nm/N."""
     body = build_bodies(fl.Scene.from_dict(tables(SHAFT, **pinion))).body_1
-    assert body.axial is not None
     prism = Prism(
         body.axial.range_mm,
         degree=8,

@@ -90,7 +90,7 @@ def _compliance(**changes: Any) -> tuple[BodyCompliance, float]:
         tree_of(SPUR, {**ELEMENTS, "effects__friction_coefficient": 0.1, **changes})
     )
     body = build_bodies(scene).body_1
-    width = 1.0 if body.axial is None else body.axial.range_mm[1] - body.axial.range_mm[0]
+    width = body.axial.width_mm
     return compliance_of(body, scene), width
 
 
@@ -130,7 +130,6 @@ def test_loads_along_the_profile_are_per_area() -> None:
     keys = ("tip_relief_um", "tip_relief_start_diameter_mm", "tip_relief_shape")
     scene = fl.Scene.from_dict(tree_of(HELICAL, SMALL | {f"body_1__{k}": None for k in keys}))
     body = build_bodies(scene).body_1
-    assert body.axial is not None
     assert isinstance(body.mesh, SectorMesh)
     twist = body.axial.twist_rad_per_mm
     plane, found = (

@@ -245,7 +245,6 @@ def _turned(points: np.ndarray, angle: float) -> np.ndarray:
 def test_edges_of_a_ring() -> None:
     """The angle of the metal between flank and end face, by normals in space."""
     body = build_bodies(fl.Scene.from_dict(tree_of(HELICAL, {}))).body_2
-    assert body.axial is not None
     twist, middle = body.axial.twist_rad_per_mm, 0.5 * sum(body.mode_range_mm)
     step = 1e-5
     ahead, behind = (body.curve.point([middle + sign * step])[0] for sign in (1, -1))

@@ -75,7 +75,6 @@ def on_shafts(pair: BodyPair, *shafts: np.ndarray | None) -> BodyPair:
     """The pair on shafts with these compliances."""
     bodies = []
     for body, rows in zip((pair.body_1, pair.body_2), shafts, strict=True):
-        assert body.axial is not None
         shaft = None if rows is None else Shaft(rows, 0.0, np.zeros((0, 3, 6)))
         bodies.append(replace(body, axial=replace(body.axial, shaft=shaft)))
     return replace(pair, bodies=(bodies[0], bodies[1]))
@@ -114,7 +113,6 @@ class WithGaps(Slices):
 
 def recession(pair: BodyPair, found: Sweep, p: int) -> np.ndarray:
     """(S, J) By how much both bodies recede along the normals; a dense product, by hand."""
-    assert pair.body_1.axial is not None
     twist = pair.body_1.axial.twist_rad_per_mm
     site, table = found.pairs.at(p)
     number = found.pairs.slices_at(p)
@@ -124,7 +122,7 @@ def recession(pair: BodyPair, found: Sweep, p: int) -> np.ndarray:
     cosine = 1.0 / np.sqrt(1.0 + (twist * lever) ** 2)
     total = np.zeros(site.size)
     for z, body in enumerate((pair.body_1, pair.body_2)):
-        if body.axial is None or body.axial.shaft is None:
+        if body.axial.shaft is None:
             continue
         x = column["x"] - z * pair.pairing.center_distance_mm
         n = np.stack([cosine * n_t[0], cosine * n_t[1], -twist * lever * cosine])
@@ -322,7 +320,6 @@ def test_an_imposed_compliance_is_that_of_its_beam() -> None:
     scene["load"]["torque_Nm"] = [150, 300]
     beam = fl.Scene.from_dict({**scene, "body_1": {**scene["body_1"], "shaft": BEAM}})
     body = build_bodies(beam).body_1
-    assert body.axial is not None
     assert body.axial.shaft is not None
     scene["body_1"]["shaft"] = {"compliance": body.axial.shaft.compliance.tolist()}
     for one, two in zip(solve(fl.Scene.from_dict(scene)), solved(40.0), strict=True):

@@ -72,7 +72,6 @@ def test_a_helix_of_one_warm_body_is_longer(warm: int) -> None:
     for z, body in enumerate((grown.body_1, grown.body_2)):
         before = bodies[z].axial
         assert before is not None
-        assert body.axial is not None
         wanted = before.twist_rad_per_mm / (1 + STRAIN * (z == warm))
         assert body.axial.twist_rad_per_mm == pytest.approx(wanted, rel=ROUND_OFF)
         modes = compliances[z].modes.axial

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from flankload.bodies.axial_shape import PLANE_SHAPE
 from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import AxialModes, BodyCompliance, FlankModes, NearField
@@ -85,7 +86,8 @@ def press(
     one = arc((LEVER, -1e5), 1e5, np.pi / 2 + 4e-5, np.pi / 2 - 4e-5)
     two = arc((LEVER - DISTANCE, radius), radius, -np.pi / 2 + 0.4, -np.pi / 2 - 0.4)
     bodies = [
-        SimpleNamespace(curve=c, teeth=1, active_range_mm=None, axial=None) for c in (one, two)
+        SimpleNamespace(curve=c, teeth=1, active_range_mm=None, axial=PLANE_SHAPE)
+        for c in (one, two)
     ]
     ends = axial(float(edges[0]), float(edges[-1]))
     modes = FlankModes((0.0, 1.0), axial=ends)

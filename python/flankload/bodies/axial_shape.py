@@ -81,6 +81,8 @@ class AxialShape:
         Shaft and bearings; None: the bore does not move.
     regions : tuple of (str, (float, float))
         Names and axial ranges of regions not as wide as the teeth: web, hub, sets of a mesh.
+    plane : bool
+        Whether the body is computed in the plane, per mm of its width.
     """
 
     range_mm: tuple[float, float]
@@ -90,6 +92,7 @@ class AxialShape:
     surface: FlankSurface | None = None
     shaft: Shaft | None = None
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
+    plane: bool = False
 
     @property
     def width_mm(self) -> float:
@@ -104,7 +107,9 @@ class AxialShape:
     def without_lead(self) -> AxialShape:
         """The shape without flank modifications and without a shaft, unless it is flexible."""
         shaft = None if self.flexible is None else self.shaft
-        return AxialShape(self.range_mm, self.twist_rad_per_mm, shaft=shaft, regions=self.regions)
+        return replace(
+            self, lead=LeadModifications(), tooth_slopes_mm=(), surface=None, shaft=shaft
+        )
 
     @property
     def flexible(self) -> FlexibleShaft | None:
@@ -129,6 +134,10 @@ class AxialShape:
         """Metal removed by the individual helix slope of each tooth (T, n), mm."""
         zeta = self.zeta(z_mm)
         return np.array([_sloped(slope, zeta) for slope in self.tooth_slopes_mm])
+
+
+#: A body in the plane, of unit width.
+PLANE_SHAPE = AxialShape((-0.5, 0.5), plane=True)
 
 
 def share_middle(extents_mm: Sequence[tuple[float, float]]) -> bool:

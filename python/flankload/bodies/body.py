@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.axial_shape import PLANE_SHAPE, AxialShape
 from flankload.bodies.corner_angle import STRAIGHT_ANGLE, angle_at
 from flankload.bodies.tip_modes import Tip
 from flankload.meshes.blocks import edges_along
@@ -15,7 +16,6 @@ from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
-    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.imported.compliance import ImportedCompliance
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
@@ -300,7 +300,7 @@ class Body(BodySites):
         The part of a follower that touches the cam.
     imported : ModalCompliance, NodalCompliance or None
         Imported compliance, if any.
-    axial : AxialShape or None
+    axial : AxialShape
         Width, twist and lead modifications of a three-dimensional body; None in a plane scene.
     elements : Body or None
         The body without flank modifications, whose flank the elements (`mesh`) follow; None if this
@@ -320,7 +320,7 @@ class Body(BodySites):
     involute: Involute | None = None
     touches: Roller | Flat | None = None
     imported: ImportedCompliance | None = None
-    axial: AxialShape | None = None
+    axial: AxialShape = PLANE_SHAPE
     elements: Body | None = None
 
     @property
@@ -333,8 +333,7 @@ class Body(BodySites):
         body = self.unmodified
         none = BodySites()
         without = {entry.name: getattr(none, entry.name) for entry in fields(BodySites)}
-        axial = None if body.axial is None else body.axial.without_lead()
-        return replace(body, **without, axial=axial)
+        return replace(body, **without, axial=body.axial.without_lead())
 
     @property
     def is_parametric(self) -> bool:

@@ -149,9 +149,8 @@ def section_curves(body: Body, removed_mm: Floats) -> list[FlankCurve]:
     """Flanks of a body in n sections, with the same breaks; `removed_mm`: metal removed (n, m)."""
     from scipy.interpolate import CubicSpline
 
-    assert body.axial is not None
-    assert body.axial.surface is not None
     surface = body.axial.surface
+    assert surface is not None
     radius = body.base_radius_mm or abs(body.normal_lever_mm)
     ends = (body.curve.breaks[0], *surface.range_mm, body.curve.length_mm)
     splines = [

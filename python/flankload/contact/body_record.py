@@ -268,7 +268,7 @@ def _axial_parts(body: Body, axial: AxialModes, *, coast: bool) -> list[Part]:
     of_coast = axial.end[::-1] if coast else ()
     numbers = [axial.count, *axial.range_mm, axial.twist, *axial.end, *of_coast]
     parts = [("axial", np.array(numbers, dtype=float))]
-    shaft = None if body.axial is None else body.axial.shaft
+    shaft = body.axial.shaft
     # a flexible shaft is part of the elements, except in a rigid body
     if shaft is not None and (shaft.flexible is None or body.rigid):
         parts.append(("shaft", np.append(shaft.compliance.ravel(), shaft.z_mm)))

@@ -99,8 +99,7 @@ def _section(result: Result, p: int, shown: Window) -> Iterator[tuple[Floats, st
 
 def _teeth(result: Result, p: int, shown: Window) -> Iterator[tuple[Floats, str, float, str]]:
     """The same of the teeth over their width, with the line load on their flanks."""
-    assert result.slices is not None
-    most = float(result.slices.line_load_N_per_mm.max(initial=0.0)) or 1.0
+    most = float(result.width_loads.line_load_N_per_mm.max(initial=0.0)) or 1.0
     for body, shift in enumerate(shown.shifts, start=1):
         teeth = loaded_teeth(result, p, body, *FACETS)
         own, mate = BODIES[body - 1], BODIES[2 - body]
@@ -131,6 +130,5 @@ def words_of(result: Result, p: int) -> str:
     at = f"at {result.position_deg[p]:.2f}°"
     if not is_drawn_over_width(result):
         return f"Loaded bodies {at}"
-    assert result.slices is not None
-    load = result.slices.line_load_N_per_mm
+    load = result.width_loads.line_load_N_per_mm
     return f"Line load {at}: up to {load[p].max():.0f} N/mm, of all positions {load.max():.0f}"

@@ -257,7 +257,6 @@ def account_errors_of_elements(
 def prism_of(body: Body, scene: Scene) -> Prism:
     """Axial extension of a three-dimensional body, with the polynomial degrees of a scene."""
     axial = body.axial
-    assert axial is not None
     degree, load_degree = degrees_of(scene.accuracy)
     return Prism(
         axial.range_mm,

@@ -17,8 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats
-    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
@@ -103,9 +101,7 @@ def expanded(body: Body, strain: float) -> Body:
     """The body with its curve and the range of its modes scaled by 1 + strain."""
     if strain == 0.0:
         return body
-    curve, larger, axial = body.curve, 1.0 + strain, body.axial
-    if axial is not None:
-        axial = replace(axial, twist_rad_per_mm=axial.twist_rad_per_mm / larger)
+    curve, larger = body.curve, 1.0 + strain
     powers = larger ** (1.0 - np.arange(curve.coefficients.shape[2]))
     low, high = body.mode_range_mm
     active = body.active_range_mm
@@ -116,7 +112,7 @@ def expanded(body: Body, strain: float) -> Body:
             curve, breaks=larger * curve.breaks, coefficients=powers * curve.coefficients
         ),
         mode_range_mm=(larger * low, larger * high),
-        axial=axial,
+        axial=replace(body.axial, twist_rad_per_mm=body.axial.twist_rad_per_mm / larger),
     )
 
 
@@ -125,11 +121,11 @@ def expanded_slices(
 ) -> Slices:
     """Slices after uniform axial expansion of the helices of bodies of unchanged face widths."""
 
-    def turned(turns_rad: Floats, axial: AxialShape | None, strain: float) -> Floats:
-        if axial is None:
-            return turns_rad
-        from_middle = slices.z_mm - np.mean(axial.range_mm)
-        return turns_rad - axial.twist_rad_per_mm * from_middle * strain / (1.0 + strain)
-
-    one, two = (turned(slices.turns_rad[z], bodies[z].axial, strains[z]) for z in (0, 1))
+    one, two = (
+        turns
+        - shape.twist_rad_per_mm * (slices.z_mm - np.mean(shape.range_mm)) * strain / (1.0 + strain)
+        for turns, shape, strain in zip(
+            slices.turns_rad, (body.axial for body in bodies), strains, strict=True
+        )
+    )
     return replace(slices, turns_rad=(one, two))

@@ -160,7 +160,7 @@ def gear_geometry(
 def _cosine_base_helix(body: Body) -> float:
     """Cosine of the helix angle on the base cylinder."""
     assert body.involute is not None
-    twist = 0.0 if body.axial is None else body.axial.twist_rad_per_mm
+    twist = body.axial.twist_rad_per_mm
     return 1.0 / hypot(1.0, twist * body.involute.base_radius_mm)
 
 
@@ -181,8 +181,6 @@ def _path_of_contact(pair: _Pair, angle: float) -> tuple[float, float]:
 def _overlap_ratio(body_1: Body, body_2: Body) -> float:
     """Common face width over the axial pitch."""
     one, two = body_1.axial, body_2.axial
-    if one is None or two is None:
-        return 0.0
     low, high = (choose(one.range_mm[k], two.range_mm[k]) for k, choose in ((0, max), (1, min)))
     return (high - low) * abs(one.twist_rad_per_mm) * body_1.teeth / (2 * pi)
 

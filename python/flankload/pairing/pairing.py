@@ -397,7 +397,7 @@ def teeth_until_alike(body: Body, by_tooth: tuple[float, ...] = ()) -> int:
         places[0] = body.pitch_errors_um
     if body.flank_turns_rad:
         places[1] = body.flank_turns_rad
-    if body.axial is not None and body.axial.tooth_slopes_mm:
+    if body.axial.tooth_slopes_mm:
         places[3] = body.axial.tooth_slopes_mm
     return next(
         group

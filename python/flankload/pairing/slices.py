@@ -257,7 +257,7 @@ def gap_by_misalignment(
 
 def reached_positions(position_rad: Floats, body_1: Body) -> Floats:
     """Angles (n,) of all sections of body 1 over its width, at angles (P,) of that at z = 0."""
-    if body_1.axial is None or not body_1.axial.twist_rad_per_mm:
+    if not body_1.axial.twist_rad_per_mm:
         return position_rad
     low, high = (body_1.axial.twist_rad_per_mm * z for z in body_1.axial.range_mm)
     # steps below half a pitch, so that no pair is missed

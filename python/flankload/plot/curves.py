@@ -185,9 +185,10 @@ def _explain_jumps(
     axes: Axes, result: Result, place: tuple[float, float], note_of: str = ""
 ) -> None:
     """Say why the curves of helical teeth jump."""
-    if result.slices is None or not result.slices.enter_in_turn:
+    if not result.width_loads.enter_in_turn:
         return
-    text = f"steps come from slices of {result.slices.width_mm.max():.2g} mm that enter and leave"
+    width = result.width_loads.width_mm.max()
+    text = f"steps come from slices of {width:.2g} mm that enter and leave"
     look: dict[str, Any] = {"va": "top" if place[1] > 0.5 else "bottom", "fontsize": 8}
     note(axes, text + note_of, place, "axes fraction", **look)
 

@@ -102,8 +102,7 @@ def _angle_edges(result: Result, angle: NDArray[np.float64]) -> NDArray[np.float
 def draw_line_load(axes: Axes, results: Results, *, position: int | None = None) -> None:
     """Draw the line load of a three-dimensional result over the face width, per flank pair."""
     result, p = at_largest_line_load(results, position)
-    slices = result.slices
-    assert slices is not None
+    slices = result.width_loads
     load = slices.mean_line_load_N_per_mm
     ends = _edges(slices.z_mm, slices.width_mm)
     for s, site in loaded_sites(result):
@@ -159,8 +158,7 @@ def draw_line_load_map(axes: Axes, results: Results) -> None:
     Pair j is j pitches further along than pair 0: all pairs together are the way of one tooth.
     """
     result = largest(results)
-    slices = result.slices
-    assert slices is not None
+    slices = result.width_loads
     place = places_on_way(result)
     order = np.argsort(place, axis=None, kind="stable")
     along = place.ravel()[order]
@@ -212,8 +210,7 @@ def draw_contact_pattern(
 ) -> None:
     """Draw the largest pressure at each place of a flank over all positions, in slices."""
     result = largest(results)
-    slices = result.slices
-    assert slices is not None
+    slices = result.width_loads
     diameter, pressure = contact_pattern(result, body)
     axes.grid(visible=False)
     shown = axes.pcolormesh(
@@ -270,7 +267,6 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
     pressure_MPa : (n, J) array
         Hertz pressure of the lumped contacts, or that of the cells; 0 where there was no contact.
     """
-    assert result.slices is not None
     tables = [table for table in result.pair_tables if len(table)]
     place, half, pressure, z, radius = (
         np.concatenate(parts)

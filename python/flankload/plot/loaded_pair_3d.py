@@ -131,24 +131,21 @@ def _draw_body(axes: Axes, teeth: LoadedTeeth, body: int, most: float) -> None:
 
 def _most(result: Result, p: int) -> float:
     """Largest line load of a position, N/mm; 1 without load."""
-    assert result.slices is not None
-    return float(result.slices.line_load_N_per_mm[p].max(initial=0.0)) or 1.0
+    return float(result.width_loads.line_load_N_per_mm[p].max(initial=0.0)) or 1.0
 
 
 def _largest(result: Result, p: int) -> str:
     """The meaning of the ring; nothing without load."""
-    assert result.slices is not None
-    load = result.slices.line_load_N_per_mm[p]
+    load = result.width_loads.line_load_N_per_mm[p]
     if not load.any():
         return ""
-    z = result.slices.z_mm[load.max(axis=0).argmax()]
+    z = result.slice_z_mm[load.max(axis=0).argmax()]
     return f"; ○ largest: {load.max():.0f} at z = {z:.1f} mm".replace("-", "−")
 
 
 def _words(result: Result, body: int) -> str:
     """Number, teeth and hand of a body."""
     shape = result.drawing.axial[body - 1]
-    assert shape is not None
     teeth = (result.drawing.teeth_1, result.drawing.teeth_2)[body - 1]
     twist = shape.twist_rad_per_mm
     hand = "right hand" if twist > 0 else "left hand" if twist < 0 else "spur"

@@ -156,7 +156,6 @@ def teeth_in_mesh(result: Result, p: int, body: int, contour_facets: int = CONTO
     """The teeth of body 1 or 2 that carry load at position p, and their neighbours."""
     drawing = result.drawing
     shape = drawing.axial[body - 1]
-    assert shape is not None
     outline, teeth, angle, bore = (
         (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], drawing.bore_radius_1_mm),
         (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.bore_radius_2_mm),
@@ -257,9 +256,7 @@ def _facets(teeth: Teeth, count: int) -> tuple[Floats, Floats]:
 
 def _bands(result: Result, p: int, body: int) -> tuple[Floats, Floats]:
     """Bands (k, 4, 2) along the contact line of each contact, and their line loads, N/mm."""
-    slices, shape = result.slices, result.drawing.axial[0]
-    assert slices is not None
-    assert shape is not None
+    slices, shape = result.width_loads, result.drawing.axial[0]
     place, normal, force = _contacts(result, p)
     width = slices.width_mm[np.searchsorted(slices.z_mm, place[:, 2])]
     # the contact line of an involute lies in the plane of action

@@ -9,14 +9,14 @@ import numpy as np
 
 from flankload.base.arrays import Flags, Floats, Numbers
 from flankload.base.card import Card
-from flankload.base.read_only import KeepsReadOnly, frozen
+from flankload.base.read_only import KeepsReadOnly
 from flankload.result.drives import BeltDrive, ChainDrive
 from flankload.result.engagement import Engagement, engagement_of
 from flankload.result.friction import FrictionResult
 from flankload.result.loaded_positions import LoadedPositions
 from flankload.result.pairs import PairTable
 from flankload.result.root_stress import RootReading, RootStress, root_stress
-from flankload.result.slices import SliceLoads
+from flankload.result.slices import PlaneLoads, SliceLoads
 from flankload.result.stage import StageLoads
 from flankload.result.torque_axis import per_torque
 
@@ -169,39 +169,38 @@ class EffectResults(LoadedPositions):
         return int(found[0]) if found.size else None
 
     @per_torque
+    def width_loads(self) -> SliceLoads:
+        """Loads of the slices of the face width; of a plane result those of a single one."""
+        return self.slices or PlaneLoads.of(
+            self.site_force_N, self.peak_pressure_MPa, self.face_width_mm
+        )
+
+    @per_torque
     def line_load_N_per_mm(self) -> Floats:
         """(P, S) Force of each pair per mm of face width; (P, S, J) in three dimensions."""
-        if self.slices is not None:
-            return self.slices.line_load_N_per_mm
-        return frozen(self.site_force_N / self.face_width_mm)
+        loads = self.width_loads.line_load_N_per_mm
+        return loads[..., 0] if self.slices is None else loads
 
     @property
     def slice_z_mm(self) -> Floats:
         """(J,) Axial positions of the slices; one slice at 0 in a plane scene."""
-        slices = self.by_torque[0].slices
-        return frozen(np.zeros(1)) if slices is None else slices.z_mm
+        return self.by_torque[0].width_loads.z_mm
 
     @per_torque
     def slice_peak_pressure_MPa(self) -> Floats:
         """(P, S, J) Largest pressure of each flank pair in each slice."""
-        if self.slices is None:
-            return self.peak_pressure_MPa[..., np.newaxis]
-        return self.slices.peak_pressure_MPa
+        return self.width_loads.peak_pressure_MPa
 
     @per_torque
     def slice_line_load_N_per_mm(self) -> Floats:
         """(P, S, J) Force per mm of face width of each flank pair in each slice."""
-        if self.slices is None:
-            return self.line_load_N_per_mm[..., np.newaxis]
-        return self.slices.line_load_N_per_mm
+        return self.width_loads.line_load_N_per_mm
 
     @per_torque
     def mean_line_load_N_per_mm(self) -> Floats:
         """(P, S, J) Mean line load over `line_load_length_mm`, the larger of those that begin or
         end with a slice."""
-        if self.slices is None:
-            return self.line_load_N_per_mm[..., np.newaxis]
-        return self.slices.mean_line_load_N_per_mm
+        return self.width_loads.mean_line_load_N_per_mm
 
     @per_torque
     def tilt_um_per_mm(self) -> Floats | None:
@@ -211,9 +210,7 @@ class EffectResults(LoadedPositions):
     @per_torque
     def axial_force_N(self) -> Floats:
         """(P,) Axial force on body 1, positive along z; 0 in a plane scene."""
-        if self.slices is None:
-            return frozen(np.zeros_like(self.rotation_rad))
-        return self.slices.axial_force_N
+        return self.width_loads.axial_force_N
 
     @per_torque
     def tilting_moment_Nm(self) -> Floats:
@@ -221,16 +218,12 @@ class EffectResults(LoadedPositions):
 
         Positive if more load is at larger z; of a spline the magnitude of the moment about x and y.
         """
-        if self.slices is None:
-            return frozen(np.zeros_like(self.rotation_rad))
-        return self.slices.tilting_moment_Nm
+        return self.width_loads.tilting_moment_Nm
 
     @per_torque
     def flank_face_load_factor(self) -> Floats:
         """(P, S) Largest line load of each flank over its mean; 1 in a plane scene."""
-        if self.slices is None:
-            return frozen(np.ones_like(self.site_force_N))
-        return self.slices.flank_face_load_factor
+        return self.width_loads.flank_face_load_factor
 
     @per_torque
     def face_load_factor(self) -> float:
@@ -239,7 +232,7 @@ class EffectResults(LoadedPositions):
         The load of a slice is the sum over all flanks, averaged over the mesh period (over the
         positions where they do not cover the period). Of a spline equal to `line_load_factor`.
         """
-        return 1.0 if self.slices is None else self.slices.face_load_factor
+        return self.width_loads.face_load_factor
 
     @per_torque
     def line_load_factor(self) -> float:
@@ -249,7 +242,7 @@ class EffectResults(LoadedPositions):
         face width even if the load averaged over the mesh period does not: where a contact line
         ends, others carry. Of a spline it is that of one tooth, and the mean is that of all teeth.
         """
-        return 1.0 if self.slices is None else self.slices.line_load_factor
+        return self.width_loads.line_load_factor
 
     @per_torque
     def coast_force_N(self) -> Floats | None:

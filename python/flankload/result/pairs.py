@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from flankload.base.card import Card
 from flankload.base.rotation import all_around
+from flankload.bodies.axial_shape import PLANE_SHAPE, AxialShape
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
-    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.profile_deviation import ProfileDeviation
 
 
@@ -168,7 +168,7 @@ class PairDrawing:
         Roll lengths between which the flanks meet, from geometry without load, mm.
     cam_turns_clockwise : bool or None
         For a cam; None for other bodies.
-    axial : two AxialShape or None
+    axial : two AxialShape
         Face width and twist of three-dimensional bodies.
     tilted : bool
         Whether the axes of a spline are at an angle.
@@ -188,7 +188,7 @@ class PairDrawing:
     profiles: tuple[ProfileDeviation | None, ProfileDeviation | None] = (None, None)
     active_roll_mm: tuple[tuple[float, float] | None, tuple[float, float] | None] = (None, None)
     cam_turns_clockwise: bool | None = None
-    axial: tuple[AxialShape | None, AxialShape | None] = (None, None)
+    axial: tuple[AxialShape, AxialShape] = (PLANE_SHAPE, PLANE_SHAPE)
     tilted: bool = False
     between: tuple[DrawnBody, ...] = ()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +46,8 @@ class Result(EffectResults, ResultForms):
       of T objects, or None if there are none.
     - `warnings` are those of all torques without repetition; a warning that does not concern all of
       them names its torques. `cost` is that of the run, `outside_limits` are those of any torque.
-    - `at(torque_Nm)` is the result of one torque.
+    - `at(torque_Nm)` is the result of one torque. Its arrays are views of those of all torques
+      if its pairs are consecutive ones of theirs.
 
     Attributes
     ----------
@@ -140,9 +142,10 @@ class Result(EffectResults, ResultForms):
         for one in results:
             if not np.array_equal(one.position_rad, results[0].position_rad):
                 raise ValueError("results: expected the same positions for all torques")
+        results = tuple(copy(one) for one in results)  # their arrays become views
         found = object.__new__(cls)
         common = {field.name: getattr(results[0], field.name) for field in fields(PairPositions)}
-        vars(found).update(common, _by_torque=tuple(results))
+        vars(found).update(common, _by_torque=results)
         for field in fields(cls):
             if field.name not in common:
                 vars(found)[field.name] = found._over_torques(field.name)

@@ -181,6 +181,44 @@ class SliceLoads(KeepsReadOnly, Card):
         )
 
 
+class PlaneLoads(SliceLoads):
+    """Loads of the only slice of a plane result, over whose width nothing varies."""
+
+    @classmethod
+    def of(cls, force_N: Floats, peak_pressure_MPa: Floats, face_width_mm: float) -> PlaneLoads:
+        """Loads from those of the sites (P, S)."""
+        return cls(
+            z_mm=np.zeros(1),
+            width_mm=np.full(1, face_width_mm),
+            force_N=force_N[..., np.newaxis],
+            peak_pressure_MPa=peak_pressure_MPa[..., np.newaxis],
+            tangent_helix_base=0.0,
+            cosine_helix_base=1.0,
+            line_load_length_mm=face_width_mm,
+            weights=np.full(len(force_N), 1.0 / len(force_N)),
+        )
+
+    @cached_property
+    def mean_line_load_N_per_mm(self) -> Floats:
+        """(P, S, 1) The line load."""
+        return self.line_load_N_per_mm
+
+    @cached_property
+    def relative_line_load(self) -> Floats:
+        """(P, 1) Ones."""
+        return frozen(np.ones((len(self.force_N), 1)))
+
+    @cached_property
+    def relative_mean_line_load(self) -> Floats:
+        """(1,) One."""
+        return frozen(np.ones(1))
+
+    @cached_property
+    def flank_face_load_factor(self) -> Floats:
+        """(P, S) Ones."""
+        return frozen(np.ones(self.force_N.shape[:2]))
+
+
 def mean_line_loads(force_N: Floats, width_mm: Floats, length_mm: float) -> Floats:
     """Means (…, J) of the line load over a length, from forces (…, J) of slices of (J,) widths.
 

@@ -34,16 +34,30 @@ def joined(results: Results, name: str) -> Any:
     if isinstance(known[0], Mapping):
         return _merged(values)
     if isinstance(known[0], np.ndarray):
-        sites = _sites(results)
-        shape = next((one.shape for one in known if one.ndim == 1), ())
-        every = [
-            np.full(shape, np.nan) if value is None else _at_sites(value, one.sites, sites, name)
-            for one, value in zip(results, values, strict=True)
-        ]
-        return frozen(np.stack(every))
+        return _stacked(results, name, values)
     if isinstance(known[0], int | float):
         return frozen(np.array(values, dtype=float))
     return tuple(values)
+
+
+def _stacked(results: Results, name: str, values: Sequence[NDArray[Any] | None]) -> NDArray[Any]:
+    """Arrays of all torques in one, of which those of the single results become views."""
+    sites = _sites(results)
+    shape = next((one.shape for one in values if one is not None and one.ndim == 1), ())
+    every = [
+        np.full(shape, np.nan) if value is None else _at_sites(value, one.sites, sites, name)
+        for one, value in zip(results, values, strict=True)
+    ]
+    whole = frozen(np.stack(every))
+    for one, value, part in zip(results, values, whole, strict=True):
+        if value is not None and value.ndim < 2:
+            vars(one)[name] = part
+        elif value is not None:
+            first = int(np.searchsorted(sites, one.sites[0]))
+            run = slice(first, first + one.sites.size)
+            if np.array_equal(sites[run], one.sites):
+                vars(one)[name] = part[:, run]
+    return whole
 
 
 def _at_sites(values: NDArray[Any], own: Numbers, sites: Numbers, name: str) -> NDArray[Any]:

@@ -341,7 +341,6 @@ def test_the_shaft_fills_the_bore_of_a_web_or_hub() -> None:
     scene = changed(body_1__hub_diameter_mm=40.0, body_1__hub_width_mm=30.0)
     scene["body_1"]["shaft"] = {**BEAM, **FLEXIBLE}
     axial = build_bodies(fl.Scene.from_dict(scene)).body_1.axial
-    assert axial is not None
     assert axial.flexible is not None
     assert axial.flexible.range_mm == (-15.0, 15.0)
     assert axial.flexible.end_radii_mm == (15.0, 15.0)

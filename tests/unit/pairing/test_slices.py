@@ -78,7 +78,6 @@ def test_twist_of_both_bodies_keeps_the_flanks_conjugate() -> None:
     one, two = pair.slices.turns_rad
     np.testing.assert_allclose(two, -one * pair.pairing.ratio, rtol=1e-12)
     twist = tan(radians(20)) / (0.5 * 25 * 3 / np.cos(radians(20)))
-    assert pair.body_1.axial is not None
     assert pair.body_1.axial.twist_rad_per_mm == pytest.approx(twist)
     assert one[-1] > 0 > two[-1]
 
@@ -105,4 +104,4 @@ def test_a_plane_scene_is_one_slice_of_the_face_width() -> None:
     assert pair.slices.plane
     assert pair.slices.z_mm.tolist() == [0.0]
     assert pair.face_width_mm == pair.slices.compliance_width_mm == 14.0
-    assert pair.body_1.axial is None
+    assert pair.body_1.axial.plane

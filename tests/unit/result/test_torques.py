@@ -57,6 +57,8 @@ def test_a_list_of_torques_is_one_result_with_an_axis_of_torques() -> None:
         assert one.by_torque == (one,)
         np.testing.assert_array_equal(one.torques_Nm, [torque])
         np.testing.assert_array_equal(found.rotation_rad[t], one.rotation_rad)
+        for name in ("rotation_rad", "site_force_N", "transmission_error_um", "load_share"):
+            assert np.shares_memory(getattr(found, name), getattr(one, name)), name
         assert found.summary["peak_pressure_MPa"][t] == one.summary["peak_pressure_MPa"]
         assert found.friction[t] is one.friction
         assert found.cost["of_this_torque"][t] == one.cost["of_this_torque"]

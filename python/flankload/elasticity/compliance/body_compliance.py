@@ -342,7 +342,7 @@ def no_compliance(body: Body, body_load: BodyLoad | None = None) -> BodyComplian
 def _whole_width(body: Body) -> AxialModes | None:
     """One constant mode over the width of a rigid three-dimensional body."""
     shape = body.axial
-    if shape is None:
+    if shape.plane:
         return None
     tangent = shape.twist_rad_per_mm * (body.base_radius_mm or body.normal_lever_mm)
     return AxialModes(

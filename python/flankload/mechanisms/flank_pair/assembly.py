@@ -172,7 +172,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
 def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices:
     """Slices of the common face width; the only one of a plane scene."""
     one, two = (body.axial for body in bodies)
-    if one is None or two is None:
+    if one.plane:
         return plane_slice(scene.pair.face_width_mm)
     check_hands(one.hand_sign, two.hand_sign, inward=bodies[1].outward < 0)
     if pairing.fit is not None:

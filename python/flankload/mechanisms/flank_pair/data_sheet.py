@@ -98,7 +98,7 @@ def _rows_of_body(body: Body, scene: Scene) -> Iterator[SheetRow]:
         errors = body.pitch_errors_um
         text = f"{min(errors):g} to {max(errors):g} µm"
         yield SheetRow("pitch errors of the teeth", "f_pt", text)
-    width = scene.pair.face_width_mm if body.axial is None else body.axial.width_mm
+    width = scene.pair.face_width_mm if body.axial.plane else body.axial.width_mm
     yield SheetRow("face width", "b", f"{width:g} mm")
     yield from _rows_along_axis(body)
     if not body.rigid:
@@ -131,7 +131,7 @@ def _rows_of_touch(body: Body) -> Iterator[SheetRow]:
 
 def _helix_rad(body: Body) -> float:
     """Helix angle on the reference cylinder, positive: right hand."""
-    if body.axial is None or body.involute is None:
+    if body.involute is None:
         return 0.0
     return atan(body.axial.twist_rad_per_mm * body.involute.reference_radius_mm)
 
@@ -213,8 +213,6 @@ def _rows_of_flank(body: Body, spec: BodySpec) -> Iterator[SheetRow]:
 
 def _rows_along_axis(body: Body) -> Iterator[SheetRow]:
     """Lead modifications."""
-    if body.axial is None:
-        return
     lead = body.axial.lead
     if lead.crowning_mm:
         yield SheetRow("lead crowning", "C_β", f"{1000 * lead.crowning_mm:g} µm")

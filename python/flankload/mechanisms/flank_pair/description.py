@@ -96,8 +96,7 @@ def rows_of_body(body: Body, spec: BodySpec) -> list[tuple[str, str]]:
 
 def _rows_of_thickness(body: Body, involute: Involute, spec: BodySpec) -> list[tuple[str, str]]:
     """Measurements of the tooth thickness, without tooth deviations."""
-    turn = body.axial.twist_rad_per_mm if body.axial is not None else 0.0
-    helix = atan(abs(turn) * involute.reference_radius_mm)
+    helix = atan(abs(body.axial.twist_rad_per_mm) * involute.reference_radius_mm)
     named = getattr(spec.flank_keys[1], "span_teeth", None)
     found = measurements(involute, body.teeth, helix, named)
     over = "over" if involute.outward > 0 else "between"
@@ -126,8 +125,7 @@ def _rows_of_mesh(body: Body) -> list[tuple[str, str]]:
         ("flank", f"{mesh.flank_elements} elements"
          + ("" if body.curve.closed else f", radii {low:.4f} to {high:.4f} mm")),
     ]  # fmt: skip
-    if body.axial is not None:
-        rows += [(name, f"z from {one:g} to {two:g} mm") for name, (one, two) in body.axial.regions]
+    rows += [(name, f"z from {one:g} to {two:g} mm") for name, (one, two) in body.axial.regions]
     if isinstance(mesh, WholeMesh) and len(mesh.flanks) > 1:
         rows.append(("flanks", f"{len(mesh.flanks)}"))
     if body.flank_nodes is not None:

@@ -117,11 +117,10 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
 
 def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep, weights: Floats) -> SliceLoads:
     """Loads of the slices; forces are normal to the flanks; `weights` are those of positions."""
-    axial, of_slices, coast = pair.body_1.axial, found.slices, found.coast
-    assert axial is not None
+    of_slices, coast = found.slices, found.coast
     assert of_slices is not None
     radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
-    tangent = axial.twist_rad_per_mm * radius
+    tangent = pair.body_1.axial.twist_rad_per_mm * radius
     return SliceLoads(
         z_mm=slices.z_mm,
         width_mm=slices.width_mm,
@@ -243,7 +242,7 @@ def _friction(
 
 def shaft_loads(pair: BodyPair, slices: Slices, found: Sweep) -> ShaftLoads | None:
     """Tilt of the teeth and forces on the bearings at all positions; None without a shaft."""
-    shafts = [None if body.axial is None else body.axial.shaft for body in pair.bodies]
+    shafts = [body.axial.shaft for body in pair.bodies]
     if shafts == [None, None]:
         return None
     count = len(found.status)
@@ -292,9 +291,8 @@ def _contacts(
 
 def _slope(pair: BodyPair, column: Mapping[str, Floats]) -> Floats:
     """Axial component of each outward normal of body 1, relative to the transverse one."""
-    axial = pair.body_1.axial
     lever = column["x"] * column["normal_y"] - column["y"] * column["normal_x"]
-    return np.asarray(-(0.0 if axial is None else axial.twist_rad_per_mm) * lever)
+    return np.asarray(-pair.body_1.axial.twist_rad_per_mm * lever)
 
 
 def _drawing(pair: BodyPair) -> PairDrawing:

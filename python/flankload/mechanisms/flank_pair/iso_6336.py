@@ -44,8 +44,7 @@ def with_iso_factor(result: Result, scene: Scene, pair: BodyPair) -> Result:
 
     Unchanged without torque, or without a shaft that bends and twists under the teeth.
     """
-    axials = (pair.body_1.axial, pair.body_2.axial)
-    flexible = any(axial and axial.flexible for axial in axials)
+    flexible = any(body.axial.flexible for body in pair.bodies)
     if result.shafts is None or not flexible or not result.torque_Nm:
         return result
     factor = k_h_beta_iso(scene, pair, result.torque_Nm)

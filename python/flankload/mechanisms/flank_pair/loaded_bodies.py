@@ -93,7 +93,7 @@ class BodyOfPair:
 
         `turn` has the angle of the body at z = 0 and its twist, rad/mm.
         """
-        shape, slices = result.drawing.axial[0], result.slices
+        shape, slices = result.drawing.axial[0], result.width_loads
         carries = table.force_N > 0
         x, weights = leggauss(POINTS)
         site, cell, normal_N = table.site[carries], table.cell_mm[carries], table.force_N[carries]
@@ -101,10 +101,8 @@ class BodyOfPair:
         s = self.on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
         normal = table.normal[carries]
         # the outward normal of body 1 has an axial component
-        axial = np.zeros(site.size)
-        if shape is not None:
-            lever = table.x_mm[carries] * normal[:, 1] - table.y_mm[carries] * normal[:, 0]
-            axial = -shape.twist_rad_per_mm * lever
+        lever = table.x_mm[carries] * normal[:, 1] - table.y_mm[carries] * normal[:, 0]
+        axial = -shape.twist_rad_per_mm * lever
         normals = np.column_stack([normal, axial])
         on_1 = -normal_N[:, None] * normals / np.linalg.norm(normals, axis=1, keepdims=True)
         if table.friction_force_N is not None:
@@ -112,7 +110,7 @@ class BodyOfPair:
             tangent *= -1.0 if coast else 1.0
             on_1 += table.friction_force_N[carries, None] * tangent
         z, half = np.zeros(site.size), np.zeros(site.size)
-        if table.z_mm is not None and slices is not None:
+        if table.z_mm is not None:
             z = table.z_mm[carries]
             half = 0.5 * slices.width_mm[np.abs(slices.z_mm - z[:, None]).argmin(axis=1)]
         angle, twist = turn
@@ -219,7 +217,7 @@ class SolidBody(BodyOfPair):
     def forces(self, result: Result, p: int) -> PointForces:
         """Contact forces of position p, at Gauss points of the cells of each slice."""
         table = result.pairs(p)
-        if result.slices is None or table.z_mm is None:
+        if table.z_mm is None:
             raise SceneError(
                 key="results", expected="results of this scene", found="those of a plane scene"
             )

@@ -177,7 +177,6 @@ def _prism(
 
     An estimate of the error of its elements is one of the plane section.
     """
-    assert body.axial is not None
     degree, load_degree = degrees
     of_profile = [round(part) * modes for part in _loads(work)]
     normal, tangential = (part * (load_degree + 1) for part in of_profile)

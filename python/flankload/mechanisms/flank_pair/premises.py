@@ -223,6 +223,6 @@ def _may_close(pair: BodyPair) -> bool:
     elif fit is not None:
         clearance = fit.normal_backlash_mm - 2.0 * fit.offset_mm
     added_mm = sum(max((0.0, *body.pitch_errors_um)) for body in bodies) / 1000.0
-    surfaces = [body.axial.surface for body in bodies if body.axial is not None]
+    surfaces = (body.axial.surface for body in bodies)
     added_mm += sum(surface.most_added_mm for surface in surfaces if surface is not None)
     return clearance <= added_mm

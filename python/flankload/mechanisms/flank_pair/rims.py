@@ -73,7 +73,7 @@ def held_rim(body: Body) -> Rim | None:
         keys = ("tooth heights", *LEAST_RIMS["gear"], "bore_diameter_mm", "bore")
         return Rim(thickness, thickness / height, *keys)
     radius = involute.reference_radius_mm
-    twist = 0.0 if body.axial is None else body.axial.twist_rad_per_mm
+    twist = body.axial.twist_rad_per_mm
     module = 2.0 * radius / body.teeth / float(np.hypot(1.0, twist * radius))
     keys = ("modules", *LEAST_RIMS["ring"], "outer_diameter_mm", "rim")
     return Rim(thickness, thickness / module, *keys)
@@ -85,7 +85,7 @@ def rim_notes(names: Sequence[str], bodies: Sequence[Body]) -> Iterator[str]:
         rim = held_rim(body)
         if rim is not None and rim.ratio < rim.enough:
             remedy = f'{name}.{rim.support} = "torque" holds only its mean motion'
-            if body.axial is not None and body.axial.flexible is not None:
+            if body.axial.flexible is not None:
                 remedy = f"on a pinion shaft, half the root diameter suits {name}.{rim.held_at}"
             yield (
                 f"{name}: the rim of {rim.thickness_mm:.3g} mm is {rim.ratio:.2f} {rim.unit}, "

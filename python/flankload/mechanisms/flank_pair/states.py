@@ -315,7 +315,7 @@ def incomplete_estimate_notes(
         causes = []
         if any(on_corner(one.corner_off_ends).any() for one in slices):
             causes.append("the direction of forces at sharp tip corners")
-        if any(body.axial and body.axial.regions for body in pair.bodies):
+        if any(body.axial.regions for body in pair.bodies):
             causes.append(
                 "displacements along the axis (accuracy.axial_degree), converging slowly where "
                 "widths jump"

@@ -89,7 +89,6 @@ def modification_turn(body: Body, tooth: int, s_mm: Floats, z_mm: Floats) -> Flo
     the order of pitch errors.
     """
     axial = body.axial
-    assert axial is not None
     removed = axial.gap_mm(z_mm)
     if axial.tooth_slopes_mm:
         removed = removed + axial.tooth_gaps_mm(z_mm)[tooth]
@@ -225,7 +224,6 @@ def _turns(
 
 def _placed(body: Body, plane: Floats, z_mm: Floats, turns_rad: Floats, stand: Stand) -> Floats:
     """Places (m, N, 3) of the nodes of the section at each z."""
-    assert body.axial is not None
     angle = stand.turn_rad + body.axial.twist_rad_per_mm * z_mm[:, np.newaxis] + turns_rad
     turned = _complex(plane) * np.exp(1j * angle)
     x = turned.real + stand.axis_mm + stand.shear[0] * z_mm[:, np.newaxis]

@@ -97,8 +97,7 @@ def solid_model_of(
 
 def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements: float) -> int:
     """Layers over the width: contact lines that run across the flank need more of them."""
-    assert result.slices is not None
-    across = abs(result.slices.tangent_helix_base) * width_mm
+    across = abs(result.width_loads.tangent_helix_base) * width_mm
     steps = across * elements / (ELEMENTS_PER_LAYER * half_width_mm)
     return max(1, round(LAYERS * elements), round(steps))
 
@@ -107,9 +106,8 @@ def _places(
     pair: GearMesh, slices: Slices, result: Result, position: int, elements: float
 ) -> tuple[Place, ...]:
     """Places where flanks may touch in all slices, with the length of elements there."""
-    assert result.slices is not None
     turns = turns_of(pair, float(result.position_rad[position]))
-    largest = float(result.slices.line_load_N_per_mm[position].max())
+    largest = float(result.width_loads.line_load_N_per_mm[position].max())
     compliance = sum(logarithm_strength(body.material, "strain") for body in pair.bodies)
     places = []
     for j in range(slices.count):
@@ -155,7 +153,6 @@ def _part(
 
     whole = whole_body(body, flanks_of(pair, z, sites))
     mesh = refined(without(whole, _far_teeth(body, whole, tree)), size_at)
-    assert body.axial is not None
     every = beyond(edges, body.axial.range_mm)
     first = int(np.searchsorted(every, edges[0] - 1e-9))
     near = tree.query(mesh.vertices[mesh.corners].mean(axis=1))[0] < NEAR_PART * length
