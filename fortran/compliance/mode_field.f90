@@ -37,6 +37,8 @@ module flankload_mode_field
 
     !> Number of columns that are computed together: as many as fit into the cache
     integer, parameter :: panel = 96
+    !> Number of places up to which calls of BLAS cost more than they save
+    integer, parameter :: few = 8
 
 contains
 
@@ -55,6 +57,12 @@ contains
         integer :: at(n, size(bodies)), before(size(bodies) + 1), flank(n)
         real(wp), allocatable :: values(:, :), displaced(:, :)
 
+        if (n <= few) then
+            do b = 1, size(bodies)
+                call add_singly(bodies(b), places(b), matrix)
+            end do
+            return
+        end if
         before(1) = 0
         at = 0
         flank = 0
@@ -85,6 +93,32 @@ contains
             first = last + 1
         end do
     end subroutine add_modes
+
+    !> Add the displacements by modes of one body place by place.
+    pure subroutine add_singly(body, places, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Its places
+        type(places_type), intent(in) :: places
+        !> K [mm/N], lower triangle
+        real(wp), intent(inout) :: matrix(:, :)
+
+        integer :: i, j, k
+        real(wp) :: total
+
+        do j = 1, size(places%of)
+            do i = j, size(places%of)
+                total = 0.0_wp
+                associate (block => body%block(places%site(i), places%site(j)))
+                    do k = 1, size(places%values, 1)
+                        total = total + places%values(k, j) &
+                            & *dot_product(places%values(:, i), body%smooth(:, k, block))
+                    end do
+                end associate
+                matrix(places%of(i), places%of(j)) = matrix(places%of(i), places%of(j)) + total
+            end do
+        end do
+    end subroutine add_singly
 
     !> Compute the displacement of a flank as modes of one body under unit forces on another one.
     pure subroutine displace(body, places, at, n, before, m, displaced)

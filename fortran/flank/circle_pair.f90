@@ -135,9 +135,11 @@ contains
         first = 1
         do last = 2, n - 1
             chord = flank%point(:, last + 1) - flank%point(:, first)
-            off = maxval([(abs(cross(chord, flank%point(:, k) - flank%point(:, first))), &
-                & k=first + 1, last)])/norm2(chord)
-            if (off > least_bulge*curve_length(flank%curve)) chosen(last) = .true.
+            off = 0.0_wp
+            do k = first + 1, last
+                off = max(off, abs(cross(chord, flank%point(:, k) - flank%point(:, first))))
+            end do
+            if (off/norm2(chord) > least_bulge*curve_length(flank%curve)) chosen(last) = .true.
             if (chosen(last)) first = last
         end do
         flank%subset = pack([(k, k=1, n)], chosen)

@@ -235,22 +235,25 @@ contains
         real(wp), intent(out) :: resultant(:, :)
 
         integer :: b, i, m, last
+        real(wp) :: of_mesh(3, 2)
 
         resultant = 0.0_wp
-        m = 1
-        last = meshes(1)%n_sites
+        i = 1
+        last = 0
         associate (pairs => state%pairs)
-            do i = 1, pairs%n
-                do while (pairs%site(i) > last)
-                    m = m + 1
-                    last = last + meshes(m)%n_sites
+            do m = 1, size(meshes)
+                last = last + meshes(m)%n_sites
+                of_mesh = 0.0_wp
+                do while (i <= pairs%n)
+                    if (pairs%site(i) > last) exit
+                    of_mesh = of_mesh - pairs%torque_lever(i)*state%forces(i)*pairs%closing(:, :, i)
+                    i = i + 1
                 end do
-                associate (fixed => in_fixed_frame(meshes(m), 1.0_wp, pairs%closing(:, :, i)))
-                    do b = 1, 2
-                        resultant(:, meshes(m)%bodies(b)) = resultant(:, meshes(m)%bodies(b)) &
-                            & - pairs%torque_lever(i)*state%forces(i)*fixed(:, b)
-                    end do
-                end associate
+                of_mesh = in_fixed_frame(meshes(m), 1.0_wp, of_mesh)
+                do b = 1, 2
+                    resultant(:, meshes(m)%bodies(b)) = resultant(:, meshes(m)%bodies(b)) &
+                        & + of_mesh(:, b)
+                end do
             end do
         end associate
     end subroutine add_resultants

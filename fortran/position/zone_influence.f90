@@ -191,9 +191,8 @@ contains
         type(pairs_type) :: none
 
         tangential = 0.0_wp
-        ! few bodies have forces that turn
-        if (.not. (has_friction(meshes) .or. any([(allocated(bodies(b)%compliance%turned), b=1, &
-            & size(bodies))]))) return
+        ! forces turn at corners only
+        if (.not. (has_friction(meshes) .or. any(zones%corner > 0))) return
         do b = 1, size(bodies)
             places(b) = places_at_zones(b, bodies(b), meshes, zones)
         end do

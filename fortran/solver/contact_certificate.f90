@@ -262,22 +262,29 @@ contains
 
         !> Rounding of the entries of both rows
         real(wp), parameter :: rounding = 8.0_wp*epsilon(1.0_wp)
-        integer :: i, c
-        real(wp) :: scales(problem%n_motions), levers(problem%n_motions), rows(problem%n_motions)
+        integer :: i, c, k
+        real(wp) :: scales(problem%n_motions), row
 
         ! motions and loads are scaled by powers of two of their own
         scales = problem%motion_scale/problem%load_row_scale
         scales = scales/scales(1)
         found = .true.
         do i = 1, problem%n
-            levers = problem%motions(i, :)
-            rows = scales*problem%load_rows(i, :)
-            c = maxloc(abs(levers), dim=1)
-            if (levers(c)*rows(c) > 0.0_wp) then
-                weights(i) = rows(c)/levers(c)
-                found = all(abs(rows - weights(i)*levers) <= rounding*abs(rows))
+            c = 1
+            do k = 2, problem%n_motions
+                if (abs(problem%motions(i, k)) > abs(problem%motions(i, c))) c = k
+            end do
+            row = scales(c)*problem%load_rows(i, c)
+            if (problem%motions(i, c)*row > 0.0_wp) then
+                weights(i) = row/problem%motions(i, c)
+                do k = 1, problem%n_motions
+                    row = scales(k)*problem%load_rows(i, k)
+                    if (abs(row - weights(i)*problem%motions(i, k)) > rounding*abs(row)) &
+                        & found = .false.
+                end do
             else
-                found = .not. any(abs(levers) + abs(rows) > 0.0_wp)
+                found = .not. any(abs(problem%motions(i, :)) + abs(problem%load_rows(i, :)) &
+                    & > 0.0_wp)
             end if
             if (.not. found) return
         end do
