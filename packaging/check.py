@@ -1,4 +1,4 @@
-"""Tries everything in packaging/ but the wheel for Windows, and the files that describe the project.
+"""Tries all of packaging/ but the wheel for Windows, and the files that describe the project.
 
 check.py FOLDER: builds there. Needs the Python packages cffconvert and py-rattler-build, go, and
 for the Debian packages debhelper, lintian and libopenblas-dev. A line for each.
