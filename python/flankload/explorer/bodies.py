@@ -11,7 +11,15 @@ from bokeh.palettes import Inferno256
 from flankload.base.rotation import all_around, directions
 from flankload.plot.loaded_pair import is_drawn_over_width
 from flankload.plot.loaded_teeth import loaded_teeth
-from flankload.report.turning import OFF, load_shape, positions_of, scales_of, thinned, window
+from flankload.report.turning import (
+    OFF,
+    drawn_bodies,
+    load_shape,
+    positions_of,
+    scales_of,
+    thinned,
+    window,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -79,17 +87,13 @@ def bodies_of(result: Result, p: int, shown: Window) -> dict[str, Any]:
 def _section(result: Result, p: int, shown: Window) -> Iterator[tuple[Floats, str, float, str]]:
     """Points, colour, opacity and colour of the contour of each area in the transverse section."""
     size = float(np.ptp(shown.corners, axis=0).max())
-    drawing = result.drawing
-    bodies = (
-        (drawing.outline_1, drawing.teeth_1, drawing.angle_1[p], drawing.bore_radius_1_mm, 0.0),
-        (drawing.outline_2, drawing.teeth_2, drawing.angle_2[p], drawing.bore_radius_2_mm, 1.0),
-    )[: result.engagement.drawn_bodies]
-    for colour, (outline, teeth, angle, hole_mm, apart) in zip(BODIES, bodies, strict=False):
-        center = np.array([apart * drawing.center_distance_mm, 0.0])
-        contour = center + all_around(thinned(outline, OFF * size), teeth, angle)
+    for body in drawn_bodies(result):
+        outline = thinned(body.outline, OFF * size)
+        contour = body.center_mm + all_around(outline, body.teeth, body.angle[p])
         contour = np.vstack([contour, contour[:1]])
-        circle = center + (hole_mm or 0.0) * directions(np.linspace(0, -2 * np.pi, CIRCLE))
-        yield np.vstack([contour, circle]), colour, ALPHA, "transparent"
+        around = directions(np.linspace(0, -2 * np.pi, CIRCLE))
+        circle = body.center_mm + (body.hole_mm or 0.0) * around
+        yield np.vstack([contour, circle]), BODIES[body.number - 1], ALPHA, "transparent"
         yield contour, "transparent", 0.0, INK
         yield circle, "transparent", 0.0, INK
     table, scales = result.pairs(p), scales_of([result])

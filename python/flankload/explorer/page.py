@@ -6,6 +6,7 @@ pictures never follow the hand by more than one answer.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from html import escape
 from importlib.resources import files
@@ -381,7 +382,8 @@ class Page:
 
     def _soon(self, call: Any) -> None:
         if self._open:
-            self._document.add_next_tick_callback(call)
+            with suppress(AttributeError):  # of a document that is destroyed, before `_left`
+                self._document.add_next_tick_callback(call)
 
     def _named(self, name: str, model: Any) -> Any:
         model.name = name

@@ -41,7 +41,7 @@ HEIGHT, TALL = 220, 330
 PICTURES = {
     "error": ("Transmission error", "angle, °", "µm"),
     "share": ("Load share", "place in mesh pitches from the pitch point", "%"),
-    "sites": ("Force of each tooth, at the largest one", "number", "N"),
+    "sites": ("Force of each {}, at the largest one", "number", "N"),
     "pressure": ("Largest pressure", "place in mesh pitches from the pitch point", "MPa"),
     "spectrum": ("Spectrum of the transmission error", "mesh order", "µm"),
     "pattern": ("Contact pattern: black 0, yellow {:.0f} MPa", "axial position, mm",
@@ -60,6 +60,8 @@ x_range.setv({start: (x - w) / 2, end: (x + w) / 2});
 y_range.setv({start: (y - h) / 2, end: (y + h) / 2});
 """
 BARS, MAPS = ("sites", "spectrum"), ("pattern", "line_load")
+#: Pictures over the angle of the position, where pairs do not advance.
+OVER_POSITIONS = ("error", "share", "pressure", "line_load")
 #: Space beside curves, as part of their range.
 MARGIN = 0.1
 #: Columns of a curve without points, of no areas, and of a map without values.
@@ -78,7 +80,8 @@ class Picture:
         self._title, x, y = PICTURES[name]
         self.figure = empty_figure(self._title, x, y, HEIGHT)
         self.figure.x_range, self.figure.y_range = Range1d(0.0, 1.0), Range1d(0.0, 1.0)
-        self._is_map, self._is_bars, self._send = name in MAPS, name in BARS, send
+        self._is_map, self._is_bars, self._name = name in MAPS, name in BARS, name
+        self._send = send
         self._has_zero = not self._is_map and name != "error"
         self._empty = NO_MAP if self._is_map else NO_CURVE
         self._behind = dict(self._empty)
@@ -119,9 +122,11 @@ class Picture:
             ends = self._ends(columns)
         for axis, (low, high) in zip((self.figure.x_range, self.figure.y_range), ends, strict=True):
             send(axis, start=low, end=high, reset_start=low, reset_end=high)
-        if not result.engagement.pairs_advance:
-            label = f"{result.engagement.position_angle}, °"
-            send(self.figure.xaxis[0], axis_label=label)
+        engagement = result.engagement
+        if self._name in OVER_POSITIONS and not engagement.pairs_advance:
+            send(self.figure.xaxis[0], axis_label=f"{engagement.position_angle}, °")
+        if self._name == "sites":
+            send(self.figure.title, text=self._title.format(engagement.words_for_sites[0]))
 
     def _ends(self, columns: Columns) -> Iterator[tuple[float, float]]:
         """Ends of both axes around curves or bars; values on corners mean nothing."""

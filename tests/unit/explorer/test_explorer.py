@@ -8,17 +8,20 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from bokeh.document import Document
 from bokeh.palettes import Inferno256
 
 import flankload as fl
 from flankload.explorer.bodies import bodies_of, position_at, window_of
 from flankload.explorer.keys import keys_of, shown_keys
-from flankload.explorer.pictures import pareto
+from flankload.explorer.page import Page
+from flankload.explorer.pictures import Picture, pareto
 from flankload.explorer.worker import Answer, Request, Worker
 from tests.support.paths import SCENES
 from tests.support.solving import solve
@@ -164,6 +167,15 @@ def test_closing_leaves_no_thread_and_no_address() -> None:
         two.change(TORQUE)
 
 
+def test_an_answer_to_a_page_that_is_being_closed_does_not_end_the_thread(explorer: Any) -> None:
+    """Bokeh destroys a document before it calls back: the run of the other pages ended there."""
+    document = Document()
+    page = Page(explorer, document)
+    document.callbacks.destroy()
+    page.mark_soon()
+    explorer.leave(page)
+
+
 # --- worker ---------------------------------------------------------------------------------------
 def test_a_burst_ends_with_the_newest_request_and_never_goes_back() -> None:
     scene = scene_of()
@@ -198,6 +210,27 @@ def test_keys_that_reach_the_elements_are_known() -> None:
 def test_the_front_of_designs_has_those_that_no_other_beats() -> None:
     points = np.array([[3.0, 1.0], [1.0, 3.0], [2.0, 2.0], [2.0, 2.5], [3.0, 3.0]])
     assert pareto(points) == [1, 2, 0]
+
+
+# --- pictures -------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("name", "labels"),
+    [
+        ("error", [{"axis_label": "angle of body 1, °"}]),
+        ("spectrum", []),
+        ("sites", [{"text": "Force of each planet, at the largest one"}]),
+    ],
+)
+def test_bars_are_not_over_the_angle_of_a_stage(name: str, labels: list[dict[str, str]]) -> None:
+    """The orders of a spectrum and the numbers of the planets had the label of the position."""
+    sent: list[dict[str, Any]] = []
+    picture = Picture(name, lambda model, **properties: sent.append(properties))
+    engagement = SimpleNamespace(
+        pairs_advance=False, position_angle="angle of body 1", words_for_sites=("planet", "planets")
+    )
+    columns = {"x": np.arange(3.0), "y": np.ones(3)}
+    picture.show(columns, SimpleNamespace(engagement=engagement))  # type: ignore[arg-type]
+    assert [one for one in sent if {"axis_label", "text"} & one.keys()] == labels
 
 
 # --- bodies ---------------------------------------------------------------------------------------
