@@ -266,6 +266,28 @@ def test_two_planets_carry_all(floating, errors, torque, at):
     np.testing.assert_allclose(found.mesh_load_factor, 2.0, rtol=1e-2)
 
 
+def test_a_ring_on_bolts():
+    """Stiff bolts behind all teeth are nearly a clamp; soft ones move by the force on the ring."""
+    keys = {"floating": "none", "pin_tangential_errors_um": [20, 0, 0, 0], "ring_support": "bolts"}
+    clamped = stage(positions=SMOOTH, stage={**keys, "ring_support": None})
+    stiff = {"bolts": 59, "bolt_stiffness_N_per_um": 1e8}
+    found = stage(positions=SMOOTH, stage={**keys, **stiff})
+    # bolts hold the means of the sectors only
+    np.testing.assert_allclose(
+        found.transmission_error_um, clamped.transmission_error_um, rtol=0.02
+    )
+    soft = {"bolts": 59, "bolt_stiffness_N_per_um": 10}
+    found = stage(positions=SMOOTH, stage={**keys, **soft})
+    on_ring = (found.planet_force_N - found.pin_force_N).sum(axis=1)
+    # forces are projected onto the pressure modes
+    largest = np.abs(found.planet_force_N).max()
+    np.testing.assert_allclose(590 * found.ring_orbit_um, on_ring, atol=2e-4 * largest)
+    assert found.ring_deflection_um.shape == (2, 59)
+    # pushed outwards by planet 1, at the first space
+    assert found.ring_deflection_um[:, 0].min() > 0.0
+    assert not clamped.ring_deflection_um.any()
+
+
 def test_the_turning_picture_shows_all_bodies_and_a_spectrum_marks_orders():
     """It showed the sun alone."""
     found = stage(positions={"count": 4})

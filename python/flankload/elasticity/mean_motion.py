@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.gauss import leggauss
+from flankload.base.rotation import directions
 from flankload.elasticity.condensed_sector import IN_PLANE
 
 if TYPE_CHECKING:
@@ -44,6 +45,31 @@ def plane_reactions(mesh: SectorMesh, young_modulus_MPa: float) -> Floats:
     found = np.zeros((len(mesh.nodes), 2, IN_PLANE.size))
     found[nodes] = young_modulus_MPa / radius * np.einsum("kj,jcm->kcm", moments, fields)
     return found.reshape(-1, IN_PLANE.size)
+
+
+def rim_forces(mesh: SectorMesh) -> tuple[Floats, float]:
+    """Nodal forces (2N, 2) of unit forces on the bore of a sector, and the angle of its middle.
+
+    They are spread evenly over it, along the radius through its middle and across it.
+    """
+    nodes, moments = _moments(mesh)
+    x, y = mesh.nodes[nodes].T
+    first = np.arctan2(y[0], x[0])
+    angles = (np.arctan2(y, x) - first + np.pi) % (2 * np.pi) - np.pi
+    middle = float(first + 0.5 * (angles.min() + angles.max()))
+    share = moments[:, 0] / moments[:, 0].sum()
+    along = directions(np.array([middle, middle + 0.5 * np.pi]))
+    found = np.zeros((len(mesh.nodes), 2, 2))
+    found[nodes] = np.einsum("k,fc->kcf", share, along)
+    return found.reshape(-1, 2), middle
+
+
+def resultants(nodes: Floats, forces: Floats) -> Floats:
+    """Resultants (3, n) of nodal forces (2N, n): along x and y, and about the axis."""
+    rigid = np.zeros((len(nodes), 2, 3))
+    rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
+    rigid[:, 0, 2], rigid[:, 1, 2] = -nodes[:, 1], nodes[:, 0]
+    return np.asarray(rigid.reshape(-1, 3).T @ forces)
 
 
 def prism_reactions(

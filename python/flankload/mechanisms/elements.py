@@ -109,6 +109,7 @@ def elements_call(
             coast_flanks=job.coast_flanks or scene.effects.coast_flank,
             fillets=job.fillets,
             estimate=estimate,
+            rim=job.rim,
         ),
         sectors=scene.sectors,
         body_load=body_load if body_load is not None and body_load.needs_elements else None,

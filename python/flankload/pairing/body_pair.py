@@ -31,12 +31,15 @@ class BodyJob:
         Causes of thermal and centrifugal expansion, if any.
     coast_flanks : bool
         Whether coast flanks carry load as well.
+    rim : bool
+        Whether displacements of a free rim are needed.
     """
 
     elastic: bool
     fillets: RootFillets | None = None
     body_load: BodyLoad | None = None
     coast_flanks: bool = False
+    rim: bool = False
 
     @property
     def needs_elements(self) -> bool:

@@ -144,6 +144,11 @@ class EffectResults(LoadedPositions):
         return None if self.stage is None else self.stage.carrier_orbit_um
 
     @per_torque
+    def ring_deflection_um(self) -> Floats | None:
+        """(P, z) Radial displacement of the outside of the ring behind each of its spaces."""
+        return None if self.stage is None else self.stage.ring_deflection_um
+
+    @per_torque
     def ring_torque_Nm(self) -> Floats | None:
         """(P,) Torque of the planets on the ring, clockwise; None without a stage."""
         return None if self.stage is None else self.stage.ring_torque_Nm

@@ -55,6 +55,10 @@ class StageLoads(Drive):
         Rotation of the carrier behind its position without load, with the ring at rest, urad.
     sun_orbit_um, ring_orbit_um, carrier_orbit_um : (P, 2) arrays
         Displacements of sun, ring and carrier from the middle.
+    ring_deflection_um : (P, z) array
+        Radial displacement of the outside of the ring behind each of its z spaces, outwards, from
+        the space that planet 1 meets at position zero on, counter-clockwise; of a ring that floats
+        beyond its orbit, 0 of a clamped one.
     planet_force_N : (P, n, 2) array
         Force of the sun on each planet.
     pin_force_N : (P, n, 2) array
@@ -76,6 +80,7 @@ class StageLoads(Drive):
     sun_orbit_um: Floats
     ring_orbit_um: Floats
     carrier_orbit_um: Floats
+    ring_deflection_um: Floats
     planet_force_N: Floats
     pin_force_N: Floats
     meshes: Sequence[Result]
@@ -228,6 +233,7 @@ class StageLoads(Drive):
             "mesh_load_factor_mean": over.mean(self.mesh_load_factor),
             "pin_force_max_N": float(pin.max()),
             "sun_orbit_max_um": float(orbit.max()),
+            "ring_deflection_max_um": float(np.abs(self.ring_deflection_um).max()),
             "ring_torque_mean_Nm": over.mean(self.ring_torque_Nm),
             "carrier_torque_mean_Nm": over.mean(self.carrier_torque_Nm),
             "transmission_error_orders_um": amplitudes,

@@ -33,7 +33,7 @@ from flankload.scene.table import (
 if TYPE_CHECKING:
     from flankload.scene.scene import SceneFile
 
-MOST_PLANETS = 30
+MOST_PLANETS, MOST_BOLTS = 30, 360
 Errors = tuple[Deviation, ...]
 Stiffness = Annotated[float, Meta(ge=1e-6, le=1e9)]
 #: Radial and tangential. (msgspec crashes on tuple[float, float] in a union.)
@@ -150,12 +150,29 @@ class Stage(Table, frozen=True, kw_only=True):
         about("direction of the weight, counter-clockwise from the positive x axis", "deg"),
     ] = -90.0
     ring_support: Annotated[
-        Literal["clamped", "free"],
+        Literal["clamped", "bolts", "free"],
         about(
             "support of the outside of the ring's rim: 'clamped' = no point of it moves relative "
-            "to the others; 'free' = the rim bends and floats, only its mean rotation is held"
+            "to the others; 'bolts' = it is on springs; 'free' = the rim bends and floats, only "
+            "its mean rotation is held"
         ),
     ] = "clamped"
+    bolts: Annotated[
+        Annotated[int, Meta(ge=2, le=MOST_BOLTS)] | None,
+        about(
+            "number of equally spaced bolts of the ring; the first one is behind the space of the "
+            "ring that planet 1 meets at position 0",
+            "-",
+        ),
+    ] = None
+    bolt_stiffness_N_per_um: Annotated[
+        Stiffness | TwoStiffnesses | None,
+        about(
+            "stiffness of each bolt: a number, or radial and tangential",
+            "N/um",
+            usual=USUAL_STIFFNESS,
+        ),
+    ] = None
 
     @property
     def count(self) -> int:
@@ -177,11 +194,12 @@ class Stage(Table, frozen=True, kw_only=True):
     @property
     def pin_stiffness_N_per_mm(self) -> tuple[float, float] | None:
         """Radial and tangential stiffness of a pin, N/mm; None if it is rigid."""
-        found = self.pin_stiffness_N_per_um
-        if found is None:
-            return None
-        radial, tangential = found if isinstance(found, tuple) else (found, found)
-        return 1000.0 * radial, 1000.0 * tangential
+        return _N_per_mm(self.pin_stiffness_N_per_um)
+
+    @property
+    def bolt_stiffness_N_per_mm(self) -> tuple[float, float] | None:
+        """Radial and tangential stiffness of a bolt of the ring, N/mm; None without bolts."""
+        return _N_per_mm(self.bolt_stiffness_N_per_um)
 
     def check(self) -> None:
         """Check the rules between the keys of this table."""
@@ -197,7 +215,20 @@ class Stage(Table, frozen=True, kw_only=True):
                 expected = f"one entry per planet: {self.count}"
                 refuse(f"stage.{name}", expected, f"{len(values)} entries")
         self._check_sun()
+        self._check_bolts()
         self._check_rim()
+
+    def _check_bolts(self) -> None:
+        """Check that bolts have their keys, and that the ring on them does not float."""
+        for name in ("bolts", "bolt_stiffness_N_per_um"):
+            value, wanted = getattr(self, name), self.ring_support == "bolts"
+            if wanted and value is None:
+                refuse(f"stage.{name}", "a value, with stage.ring_support = 'bolts'", None)
+            if value is not None and not wanted:
+                refuse(f"stage.{name}", "nothing, unless stage.ring_support is 'bolts'", value)
+        if self.ring_support == "bolts" and self.floating == "ring":
+            expected = "'none', 'sun' or 'carrier': bolts hold the ring"
+            refuse("stage.floating", expected, "'ring'")
 
     def _check_sun(self) -> None:
         """Check that support and weight belong to a floating sun."""
@@ -220,6 +251,14 @@ class Stage(Table, frozen=True, kw_only=True):
         if self.floating == "sun":
             expected += " without stage.sun_stiffness_N_per_um"
         refuse("stage.ring_support", expected, "'free'")
+
+
+def _N_per_mm(stiffness: float | tuple[float, ...] | None) -> tuple[float, float] | None:
+    """Radial and tangential stiffness, N/mm, of a number or of both, N/um."""
+    if stiffness is None:
+        return None
+    radial, tangential = stiffness if isinstance(stiffness, tuple) else (stiffness, stiffness)
+    return 1000.0 * radial, 1000.0 * tangential
 
 
 #: Keys with one entry per planet.
@@ -253,6 +292,8 @@ def _check_members(asked: SceneFile, planet: Gear) -> None:
                 f"'{form.__struct_config__.tag}' with [stage]: body_1 is the sun, body_2 the "
             )
             refuse(f"{name}.kind", expected + "ring", f"'{body.kind}'")
+    if asked.body_2.rigid and asked.stage is not None and asked.stage.ring_support == "bolts":
+        refuse("body_2.rigid", "false, with stage.ring_support = 'bolts'", shown(True))
     check_base_pitches(asked.body_1, planet, names=("body_1", "planet"))
     varying = three_dimensional_key(asked)
     if varying is not None:

@@ -112,6 +112,29 @@ def test_planets_that_collide():
             {"load": {"torque_Nm": 0}, "stage": {"sun_weight_N": 5}},
             "load.torque_Nm: expected a number > 0 with stage.sun_weight_N",
         ),
+        ({"stage": {"ring_support": "bolts"}}, "stage.bolts: expected a value, with stage.ring_s"),
+        (
+            {"stage": {"bolts": 8}},
+            "stage.bolts: expected nothing, unless stage.ring_support is 'bolts', found 8",
+        ),
+        (
+            {
+                "stage": {
+                    "ring_support": "bolts",
+                    "bolts": 8,
+                    "bolt_stiffness_N_per_um": 50,
+                    "floating": "ring",
+                }
+            },
+            "stage.floating: expected 'none', 'sun' or 'carrier': bolts hold the ring, found",
+        ),
+        (
+            {
+                "stage": {"ring_support": "bolts", "bolts": 8, "bolt_stiffness_N_per_um": 50},
+                "body_2": {"rigid": True},
+            },
+            "body_2.rigid: expected false, with stage.ring_support = 'bolts'",
+        ),
         (
             {"stage": {"floating": "carrier", "ring_support": "free"}},
             "a free rim floats beside the floating carrier",

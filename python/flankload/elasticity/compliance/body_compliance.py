@@ -14,6 +14,8 @@ from flankload.elasticity.compliance.contributions import (
     Expansion,
     FlankModes,
     NearField,
+    RimMotion,
+    RimResponse,
     RootResponse,
     opposite,
 )
@@ -61,6 +63,10 @@ class BodyCompliance:
         length, without its images: the direction of forces turns at the corner.
     root : RootResponse or None
         Stress in the root fillets, if requested.
+    rim : RimResponse or None
+        Displacements of a free rim, if requested.
+    rim_motion : RimMotion or None
+        Motion of a rim on bolts.
     fe_error : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
         Estimated discretization error of the response of a flank to its own modes: that of
         `smooth`, then that of `tangential`. None without an estimate.
@@ -77,6 +83,8 @@ class BodyCompliance:
     coast: CoastCompliance | None = None
     expansion: Expansion = field(default_factory=Expansion)
     root: RootResponse | None = None
+    rim: RimResponse | None = None
+    rim_motion: RimMotion | None = None
     fe_error: Floats | None = None
     job: JobCost = field(default_factory=JobCost)
 

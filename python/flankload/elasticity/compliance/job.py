@@ -71,6 +71,8 @@ class JobOptions:
         Points at which the stress is returned.
     estimate : bool
         The discretization error of the elements is estimated; with modes only.
+    rim : bool
+        The displacements of a free rim are returned; for sector meshes with modes only.
     """
 
     n_modes: int
@@ -81,6 +83,7 @@ class JobOptions:
     coast_flanks: bool = False
     fillets: RootFillets | None = None
     estimate: bool = False
+    rim: bool = False
 
 
 def flank_compliance(
@@ -118,7 +121,8 @@ def flank_compliance(
     job.log.end_step("ring")
     modes, errors, miss = job.loads, job.log.errors, None
     if errors and isinstance(modes, ModeLoads):
-        miss = modes.fe_error(np.stack(errors))
+        p = response.response.shape[2]  # without the forces on a rim
+        miss = modes.fe_error(np.stack(errors)[:, :p, :p])
     log = replace(found.job, seconds=job.log.seconds())
     return replace(found, expansion=expansion, fe_error=miss, job=log)
 
@@ -148,6 +152,7 @@ def _prepared(
         readings=_readings(body, options, matrix.shape[0]),
         forces=np.stack(list(load_vectors.values()), axis=1) if load_vectors else None,
         log=log,
+        rim=options.rim,
     )
     return job, load_vectors
 
@@ -214,6 +219,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
         turned=turned,
         coast=coast,
         root=root,
+        rim=found.rim,
         job=job.log.cost(asymmetry, found.degrees_of_freedom),
     )
 

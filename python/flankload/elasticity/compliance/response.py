@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.elasticity.compliance.contributions import RimResponse
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.finite_elements import degrees_of, factored
-from flankload.elasticity.mean_motion import plane_reactions
+from flankload.elasticity.mean_motion import plane_reactions, resultants, rim_forces
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     close_ring,
@@ -43,6 +44,8 @@ class Job:
         Index of a flank -> columns (2N, q) for further readings of the displacements, by counter.
     forces : (2N, k) array or None
         Vectors of body loads.
+    rim : bool
+        Whether a free rim is loaded and read.
     """
 
     body: Body
@@ -52,6 +55,7 @@ class Job:
     readings: Callable[[int], dict[str, Floats]]
     forces: Floats | None
     log: JobLog
+    rim: bool = False
 
     def unit_loads(self, flank: SectorMesh | MeshedFlank) -> Floats:
         """Normal unit loads (2N, p) of a flank, with friction followed by tangential ones."""
@@ -82,6 +86,7 @@ class Response:
         Readings by the unit loads of each flank under each body load.
     coast : (z, n, p) array or None
         Response of the coast flanks, as coefficients.
+    rim : RimResponse or None
     """
 
     response: Floats
@@ -91,6 +96,7 @@ class Response:
     degrees_of_freedom: int
     flanks: tuple[int, ...] = ()
     coast: Floats | None = None
+    rim: RimResponse | None = None
 
 
 def of_whole(job: Job, mesh: WholeMesh) -> Response:
@@ -139,12 +145,15 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
     ring.
     """
     log, loads = job.log, job.unit_loads(mesh)
-    readings, tooth, across = {}, 0, None
+    readings, tooth, across, rim = {}, 0, None, None
+    modes = loads.shape[1]
     if coast_flanks:
         assert job.body.involute is not None
         normal, turn_rad = loads[:, : job.loads.count], job.body.involute.turn_rad
         columns, tooth = mirrored_loads(mesh, normal, turn_rad)
         readings["coast_readings"] = columns
+    if job.rim:
+        loads = np.hstack([loads, rim_forces(mesh)[0]])
     log.end_step("assembly")
     readings |= job.readings(0)
     log.count_loads(loads.shape[1], friction=job.friction)
@@ -164,6 +173,9 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
             response = close_ring(sector, mesh.teeth)
         else:
             response = segment_response(sector, mesh.teeth, sectors)
+    if job.rim:
+        assert isinstance(job.loads, ModeLoads)
+        response, rim = _split_rim(response, job.loads, mesh, loads, modes)
     if coast_flanks:
         assert isinstance(job.loads, ModeLoads)
         response, across = _split_coast(response, job.loads, tooth)
@@ -174,7 +186,28 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
         by_force=by_force,
         degrees_of_freedom=free,
         coast=across,
+        rim=rim,
     )
+
+
+def _split_rim(
+    response: Floats, modes: ModeLoads, mesh: SectorMesh, loads: Floats, count: int
+) -> tuple[Floats, RimResponse]:
+    """Response (z, r - 2, count) without the forces on the rim, which follow the modes."""
+    rim, n = slice(count, count + 2), modes.count
+    moments = resultants(mesh.nodes, loads)
+
+    def by_coefficients(rows: Floats) -> Floats:
+        return modes.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
+
+    found = RimResponse(
+        by_modes=by_coefficients(response[:, rim, :n]),
+        by_forces=response[:, rim, rim],
+        modes=by_coefficients(moments[None, :, :n])[0],
+        forces=moments[:, rim],
+        middle_rad=rim_forces(mesh)[1],
+    )
+    return np.delete(response, rim, axis=1)[..., :count], found
 
 
 def _split_coast(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:

@@ -166,7 +166,7 @@ def assemble(
         jobs=(
             BodyJob(not sun.rigid),
             BodyJob(not planet.rigid, coast_flanks=True),
-            BodyJob(not ring.rigid),
+            BodyJob(not ring.rigid, rim=stage.ring_support != "clamped"),
         ),
         pairing=pairing,
         errors=_errors(stage, pairing.angles_rad),

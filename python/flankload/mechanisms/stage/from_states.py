@@ -14,6 +14,7 @@ from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.status import on_corner
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.stage.assembly import StageAssembly
+from flankload.mechanisms.stage.rim import motion_of_rim
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.stage import orbit_orders, surviving_order
 from flankload.result.geometry import pair_geometry
@@ -128,6 +129,7 @@ def _loads(
     on_planets = np.stack([_force_on_body_2(assembly, found, m) for m in range(n)], axis=1)
     zs, _, zr = pairing.teeth
     even = pairing.equally_spaced and not assembly.errors.any and assembly.period_pitches == 1
+    radial, by_bolts = motion_of_rim(assembly, compliances[2], found)
     return StageLoads(
         teeth=pairing.teeth,
         center_distance_mm=pairing.center_distance_mm,
@@ -140,7 +142,8 @@ def _loads(
         carrier_torque_Nm=in_newton_metres(1.0) * (found.planets.torque_Nmm + ring_torque),
         transmission_error_output_urad=1e6 * found.planets.rotation_rad * zs / (zs + zr),
         sun_orbit_um=1000.0 * (found.moved_mm[:, 0] + np.asarray(assembly.errors.sun_at_mm)),
-        ring_orbit_um=1000.0 * found.moved_mm[:, -1],
+        ring_orbit_um=1000.0 * (found.moved_mm[:, -1] + by_bolts),
+        ring_deflection_um=1000.0 * radial,
         carrier_orbit_um=1000.0 * found.carrier_mm,
         planet_force_N=on_planets,
         pin_force_N=force[:, 1:-1, :2],

@@ -12,6 +12,7 @@ from flankload.analysis.lumped_error import measured_error
 from flankload.contact.record_files import stage_records
 from flankload.contact.stage_contact import StageContact, StageSweep, sweep_stage
 from flankload.cost import held_bytes
+from flankload.elasticity.bolts import Bolts, on_bolts
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.elements import (
     account_errors_of_elements,
@@ -78,7 +79,18 @@ def compliances_of(
 ) -> tuple[StageAssembly, Compliances]:
     """Solve one finite-element job for each elastic body: the planets are equal."""
     sun, planet, ring = solve_bodies(scene, assembly, clock, kept, parts)
-    return assembly, (sun, planet, ring)
+    return assembly, (sun, planet, _on_bolts(scene, ring))
+
+
+def _on_bolts(scene: Scene, ring: BodyCompliance) -> BodyCompliance:
+    """The compliance of a ring with its bolts."""
+    assert scene.stage is not None
+    stiffness, count = scene.stage.bolt_stiffness_N_per_mm, scene.stage.bolts
+    if stiffness is None or count is None:
+        return ring
+    radial, tangential = stiffness
+    width = scene.pair.face_width_mm
+    return on_bolts(ring, Bolts(count, (radial / width, tangential / width)))
 
 
 def stage_states(
