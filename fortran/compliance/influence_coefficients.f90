@@ -6,9 +6,9 @@
 module flankload_influence_coefficients
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, last_of_site, mode_values
-    use flankload_mode_field, only: places_type
+    use flankload_mode_field, only: add_modes_singly, places_type
     use flankload_near_field, only: add_near_field
-    use flankload_tabled_influence, only: add_table, table_remainder
+    use flankload_tabled_influence, only: add_table
     implicit none
     private
 
@@ -54,14 +54,15 @@ contains
         integer :: i, j
         type(places_type) :: places
 
-        if (allocated(body%nodes)) then
-            matrix = 0.0_wp
-        else
-            matrix = smooth_compliance(body, site, s)
-        end if
+        matrix = 0.0_wp
+        places%of = [(i, i=1, size(s))]
         places%site = site
         places%s = s
         places%cell = cell
+        if (.not. allocated(body%nodes)) then
+            places%values = transpose(mode_values(body, s))
+            call add_modes_singly(body, places, matrix)
+        end if
         call add_strips(body, places, matrix)
         do j = 2, size(s)
             do i = 1, j - 1
@@ -69,33 +70,5 @@ contains
             end do
         end do
     end subroutine normal_influences
-
-    !> Return the smooth part between single points, one per zone: S of lumped contact.
-    pure function smooth_compliance(body, site, s) result(matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Site of each point and its arc length [mm], shape (n)
-        integer, intent(in) :: site(:)
-        real(wp), intent(in) :: s(:)
-        !> Compliance [mm/N], shape (n, n)
-        real(wp) :: matrix(size(s), size(s))
-
-        integer :: i, j
-        real(wp) :: values(size(s), size(body%smooth, 1))
-
-        matrix = 0.0_wp
-        if (size(body%smooth) == 0) return
-        if (allocated(body%nodes)) then
-            matrix = table_remainder(body, site, s)
-            return
-        end if
-        values = mode_values(body, s)
-        do j = 1, size(s)
-            do i = 1, size(s)
-                matrix(i, j) = dot_product(values(i, :), &
-                    & matmul(body%smooth(:, :, body%block(site(i), site(j))), values(j, :)))
-            end do
-        end do
-    end function smooth_compliance
 
 end module flankload_influence_coefficients

@@ -8,7 +8,7 @@ module flankload_mode_field
     private
 
     public :: places_type
-    public :: add_modes, add_tangential_modes
+    public :: add_modes, add_modes_singly, add_tangential_modes
 
     !> Places of one body at which forces act: at pairs, or at zones with one unknown each.
     type :: places_type
@@ -59,7 +59,7 @@ contains
 
         if (n <= few) then
             do b = 1, size(bodies)
-                call add_singly(bodies(b), places(b), matrix)
+                call add_modes_singly(bodies(b), places(b), matrix)
             end do
             return
         end if
@@ -95,7 +95,7 @@ contains
     end subroutine add_modes
 
     !> Add the displacements by modes of one body place by place.
-    pure subroutine add_singly(body, places, matrix)
+    pure subroutine add_modes_singly(body, places, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> Its places
@@ -106,6 +106,7 @@ contains
         integer :: i, j, k
         real(wp) :: total
 
+        if (size(places%values) == 0) return
         do j = 1, size(places%of)
             do i = j, size(places%of)
                 total = 0.0_wp
@@ -118,7 +119,7 @@ contains
                 matrix(places%of(i), places%of(j)) = matrix(places%of(i), places%of(j)) + total
             end do
         end do
-    end subroutine add_singly
+    end subroutine add_modes_singly
 
     !> Compute the displacement of a flank as modes of one body under unit forces on another one.
     pure subroutine displace(body, places, at, n, before, m, displaced)

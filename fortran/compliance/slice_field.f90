@@ -175,6 +175,7 @@ contains
         real(wp) :: along(size(s), size(body%smooth, 1)/body%n_axial)
         real(wp) :: over(body%n_axial)
 
+        if (size(values) == 0) return
         along = mode_values(body, s, turn)
         do i = 1, size(s)
             if (i == 1) then

@@ -32,6 +32,7 @@ contains
         type(places_type) :: places
 
         integer :: i, k, n, member(pairs%n)
+        real(wp) :: fixed(3, 2)
 
         member = member_of(zones(pairs%zone(:pairs%n)), b)
         n = count(member > 0)
@@ -41,13 +42,17 @@ contains
         do i = 1, n
             k = places%of(i)
             associate (zone => zones(pairs%zone(k)), at => member(k))
-                call place_on_zone(zone, at, i, places)
+                places%site(i) = zone%site + zone%offset(at)
+                places%flank(i) = zone%flank
+                places%edges(:, i) = zone%edges
                 places%s(i) = merge(pairs%s_1(k), pairs%s_2(k), at == 1)
                 places%cell(i) = merge(pairs%cell_1(k), pairs%cell_2(k), at == 1)
                 places%turn(i) = pairs%turn(at, k)
                 places%corner_turn(i) = pairs%corner_turn(at, k)
-                if (allocated(body%support)) places%on_support(:, i) = pairs%lever(k) &
-                    & *closing_in_fixed_frame(meshes(zone%mesh), 1.0_wp, pairs%closing(:, :, k), at)
+                if (allocated(body%support)) then
+                    fixed = in_fixed_frame(meshes(zone%mesh), 1.0_wp, pairs%closing(:, :, k))
+                    places%on_support(:, i) = pairs%lever(k)*fixed(:, at)
+                end if
                 if (allocated(body%shaft)) call press(body%shaft, meshes(zone%mesh), zone, at, &
                     & pairs%point(:, k), pairs%normal(:, k), i, places)
             end associate
@@ -66,7 +71,7 @@ contains
         type(places_type) :: places
 
         integer :: i, n, member(size(zones))
-        real(wp) :: tangent(2), mirror(2)
+        real(wp) :: tangent(2), mirror(2), fixed(3, 2)
 
         member = member_of(zones, b)
         n = count(member > 0)
@@ -75,14 +80,18 @@ contains
         allocate (places%friction(n), source=1.0_wp)
         do i = 1, n
             associate (zone => zones(places%of(i)), at => member(places%of(i)))
-                call place_on_zone(zone, at, i, places)
+                places%site(i) = zone%site + zone%offset(at)
+                places%flank(i) = zone%flank
+                places%edges(:, i) = zone%edges
                 places%s(i) = merge(zone%nearest%s_1, zone%nearest%s_2, at == 1)
                 ! images of forces along the flank are at least this width away
                 places%cell(i) = 2.0_wp*usual_half_width*zone%flank_length
                 places%turn(i) = 0.0_wp
                 places%corner_turn(i) = corner_turn(body%compliance%s_high, places%s(i), zone, at)
-                if (allocated(body%support)) places%on_support(:, i) = zone%lever &
-                    & *closing_in_fixed_frame(meshes(zone%mesh), zone%side, zone%closing, at)
+                if (allocated(body%support)) then
+                    fixed = in_fixed_frame(meshes(zone%mesh), zone%side, zone%closing)
+                    places%on_support(:, i) = zone%lever*fixed(:, at)
+                end if
                 if (.not. allocated(body%shaft)) cycle
                 tangent = zone%nearest%tangent_1
                 if (abs(zone%corner) == 1) tangent = zone%nearest%tangent_2
@@ -109,21 +118,6 @@ contains
         if (allocated(body%support)) allocate (places%on_support(3, n))
         if (allocated(body%shaft)) allocate (places%on_shaft(6, n), places%along_shaft(6, n))
     end subroutine reserve_places
-
-    !> Set site, flank and slice of a place.
-    pure subroutine place_on_zone(zone, member, i, places)
-        !> Its zone
-        type(zone_type), intent(in) :: zone
-        !> Which of both bodies of the zone it is, and the index of the place
-        integer, intent(in) :: member
-        integer, intent(in) :: i
-        !> The places
-        type(places_type), intent(inout) :: places
-
-        places%site(i) = zone%site + zone%offset(member)
-        places%flank(i) = zone%flank
-        places%edges(:, i) = zone%edges
-    end subroutine place_on_zone
 
     !> Compute the modes of a body at its places; no edges remain in the plane.
     pure subroutine set_values(body, places)
@@ -164,21 +158,6 @@ contains
         end associate
         if (member == 1) turn = -turn
     end function corner_turn
-
-    !> Return the rotation of body 1 that closes a gap as unit displacements of one of both bodies
-    !> do, in the fixed frame.
-    pure function closing_in_fixed_frame(mesh, side, closing, member) result(closed)
-        !> As in in_fixed_frame
-        type(mesh_type), intent(in) :: mesh
-        real(wp), intent(in) :: side
-        real(wp), intent(in) :: closing(3, 2)
-        !> 1 or 2
-        integer, intent(in) :: member
-        real(wp) :: closed(3), both(3, 2)
-
-        both = in_fixed_frame(mesh, side, closing)
-        closed = both(:, member)
-    end function closing_in_fixed_frame
 
     !> Set unit forces on a shaft in the fixed frame, in the direction in which displacements of the
     !> body close the gap: along the normal of a flank of constant twist, and along the flank.

@@ -279,8 +279,8 @@ contains
                 weights(i) = row/problem%motions(i, c)
                 do k = 1, problem%n_motions
                     row = scales(k)*problem%load_rows(i, k)
-                    if (abs(row - weights(i)*problem%motions(i, k)) > rounding*abs(row)) &
-                        & found = .false.
+                    found = found &
+                        & .and. abs(row - weights(i)*problem%motions(i, k)) <= rounding*abs(row)
                 end do
             else
                 found = .not. any(abs(problem%motions(i, :)) + abs(problem%load_rows(i, :)) &

@@ -17,12 +17,18 @@ program test_meshes
     type(motion_type), parameter :: motions(2) = [motion_type(2, 2, rotation, 1.0_wp), &
         & motion_type(3, 3, rotation, 1.0_wp)]
 
-    integer :: level
+    !> Ends of slices of twisted rollers, of which the pinions are on shafts [mm], and their twist
+    !> [rad/mm]; without slices the rollers are plane
+    real(wp), parameter :: edges(4) = [-4.0_wp, -1.0_wp, 2.0_wp, 4.0_wp], twist = 1.0e-4_wp
+    integer :: level, n_slices, k
 
     do level = level_pairs, level_lumped
-        call test_meshes_apart
-        call test_meshes_together
-        call test_pinion_without_load
+        do k = 1, 2
+            n_slices = merge(1, size(edges) - 1, k == 1)
+            call test_meshes_apart
+            call test_meshes_together
+            call test_pinion_without_load
+        end do
     end do
     print '(a)', 'all passed'
 
@@ -41,13 +47,13 @@ contains
         do k = 1, 2
             alone = state_of_pair(loads(k))
             first = last + 1
-            last = last + alone%pairs%n
+            last = last + n_slices
             call expect(abs(both%motion(k)/alone%motion(1) - 1.0_wp) <= solver, &
                 & 'rotation of each pinion alone')
             call expect(abs(both%tangent(k, k)/alone%tangent(1, 1) - 1.0_wp) <= 1.0e2_wp*solver, &
                 & 'tangent of each pinion alone')
-            call expect(maxval(abs(both%forces(first:last) - alone%forces)) <= solver &
-                & *maxval(alone%forces), 'forces of each mesh alone')
+            call expect(maxval(abs(both%site_force(first:last) - alone%site_force)) &
+                & <= solver*maxval(alone%site_force), 'forces of each mesh alone')
         end do
     end subroutine test_meshes_apart
 
@@ -58,14 +64,14 @@ contains
         !> Levers differ by this part over a contact
         real(wp), parameter :: levers = 1.0e-3_wp
         integer :: k, n
-        real(wp) :: loads(2), moments(2), further(2)
+        real(wp) :: loads(2), moments(2), further(2), others(2)
         type(position_state) :: alone, both
 
         do k = 1, 2
             loads = torque*[1.0_wp, merge(1.0_wp, 0.4_wp, k == 1)]
             both = state_of(loads, ring)
             call expect(both%status == 0, 'coupled meshes are certified')
-            n = count(both%pairs%site == 1)
+            n = count(both%pairs%site <= n_slices)
             moments = [sum(both%pairs%torque_lever(:n)*both%forces(:n)), &
                 & sum(both%pairs%torque_lever(n + 1:)*both%forces(n + 1:))]
             call expect(all(abs(moments/loads - 1.0_wp) <= solver), 'balance of both torques')
@@ -73,8 +79,9 @@ contains
             further(1) = both%motion(1) - alone%motion(1)
             alone = state_of_pair(loads(2))
             further(2) = both%motion(2) - alone%motion(1)
-            call expect(all(abs(further*both%pairs%lever(n/2 + 1)/(ring*both%site_force(2:1:-1)) &
-                & - 1.0_wp) <= levers), 'compliance of the ring between both meshes')
+            others = [sum(both%site_force(n_slices + 1:)), sum(both%site_force(:n_slices))]
+            call expect(all(abs(further*both%pairs%lever(n/2 + 1)/(ring*others) - 1.0_wp) &
+                & <= levers), 'compliance of the ring between both meshes')
             if (k == 2) cycle
             call expect(maxval(abs(both%forces(:n) - both%forces(n + 1:))) &
                 & <= solver*maxval(both%forces), 'symmetric forces')
@@ -110,13 +117,14 @@ contains
         type(position_state) :: states(1)
 
         ! the wheel, with a site in each mesh, and two pinions
-        bodies(1) = roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 2, coupling)
-        bodies(2) = roller([36.0_wp, -20.0_wp], 20.0_wp, 0.3_wp + acos(0.0_wp), 1, 0.0_wp)
+        bodies(1) = roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 2, coupling, &
+            & -2.0_wp/3.0_wp)
+        bodies(2) = roller([36.0_wp, -20.0_wp], 20.0_wp, 0.3_wp + acos(0.0_wp), 1, 0.0_wp, 1.0_wp)
         bodies(3) = bodies(2)
         meshes = mesh()
         meshes(1)%bodies = [2, 1]
         meshes(2)%bodies = [3, 1]
-        meshes(2)%offset = [0, 1]
+        meshes(2)%offset = [0, n_slices]
         meshes(2)%direction = [0.6_wp, 0.8_wp]
         allocate (configuration%angles(2, 2), source=0.0_wp)
         call solve_position(bodies, meshes, motions, configuration, reshape(loads, [2, 1]), states)
@@ -133,8 +141,9 @@ contains
         type(configuration_type) :: configuration
         type(position_state) :: states(1)
 
-        bodies(1) = roller([36.0_wp, -20.0_wp], 20.0_wp, 0.3_wp + acos(0.0_wp), 1, 0.0_wp)
-        bodies(2) = roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 1, 0.0_wp)
+        bodies(1) = roller([36.0_wp, -20.0_wp], 20.0_wp, 0.3_wp + acos(0.0_wp), 1, 0.0_wp, 1.0_wp)
+        bodies(2) = roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 1, 0.0_wp, &
+            & -2.0_wp/3.0_wp)
         allocate (configuration%angles(2, 1), source=0.0_wp)
         call solve_position(bodies, [mesh()], turn_of_body_1, configuration, &
             & reshape([load], [1, 1]), states)
@@ -146,29 +155,36 @@ contains
     function mesh() result(one)
         type(mesh_type) :: one
 
-        one%n_sites = 1
+        one%n_sites = n_slices
         one%axes(:, 2) = [90.0_wp, 0.0_wp]
         one%grid%level = level
+        if (n_slices == 1) return
+        one%twist = twist
+        allocate (one%slices)
+        one%slices%edges = edges
     end function mesh
 
     !> Return an elastic roller on a lever: an arc of 0.6 rad, clockwise.
-    function roller(center, radius, start, n_sites, coupling) result(body)
+    function roller(center, radius, start, n_meshes, coupling, turn) result(body)
         !> Center relative to the axis of the body, and radius [mm]
         real(wp), intent(in) :: center(2)
         real(wp), intent(in) :: radius
         !> Angle where the arc begins [rad]
         real(wp), intent(in) :: start
-        !> Number of sites
-        integer, intent(in) :: n_sites
-        !> Compliance between different sites [mm/N]
+        !> Number of meshes
+        integer, intent(in) :: n_meshes
+        !> Compliance between sites in different meshes [mm/N]
         real(wp), intent(in) :: coupling
+        !> Twist relative to that of the pinions, which are on shafts
+        real(wp), intent(in) :: turn
         type(body_type) :: body
 
         integer, parameter :: n = 8, degree = 7
         real(wp), parameter :: kernel = 2.8e-7_wp
-        integer :: i, j
+        integer :: i, j, n_sites
         real(wp) :: breaks(n + 1), coefficients(degree + 1, 2, n), size, angle
 
+        n_sites = n_meshes*n_slices
         breaks = [(0.6_wp*radius*(i - 1)/n, i=1, n + 1)]
         do i = 1, n
             size = radius
@@ -187,8 +203,21 @@ contains
         allocate (body%compliance%smooth(1, 1, 2), source=coupling)
         body%compliance%smooth(1, 1, 1) = 1.0e-6_wp
         allocate (body%compliance%block(n_sites, n_sites), source=2)
+        do i = 1, n_sites, n_slices
+            body%compliance%block(i:i + n_slices - 1, i:i + n_slices - 1) = 1
+        end do
+        if (n_slices == 1) return
         do i = 1, n_sites
-            body%compliance%block(i, i) = 1
+            j = modulo(i - 1, n_slices) + 1
+            body%site_angles(i) = 0.5_wp*turn*twist*(edges(j) + edges(j + 1))
+        end do
+        body%compliance%kernel = kernel*(edges(n_slices + 1) - edges(1))
+        body%compliance%z_low = edges(1)
+        body%compliance%z_high = edges(n_slices + 1)
+        if (turn < 0.0_wp) return
+        allocate (body%shaft)
+        do i = 1, 5
+            body%shaft%compliance(i, i) = merge(1.0e-6_wp, 1.0e-9_wp, i <= 3)
         end do
     end function roller
 

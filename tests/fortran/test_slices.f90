@@ -470,7 +470,8 @@ contains
             angle = 1.2_wp + 0.05_wp*i
             associate (zone => position%zones(i), pair => position%zones(i)%nearest)
                 zone%site = site(i)
-                zone%edges = meshes(1)%slices%edges(modulo(site(i) - 1, 3) + 1:)
+                z = slice_of(meshes(1)%slices, site(i))
+                zone%edges = meshes(1)%slices%edges(z:z + 1)
                 zone%curvature = 0.1_wp
                 zone%s_1_high = 10.0_wp
                 pair%s_1 = 5.0_wp

@@ -138,7 +138,10 @@ _FORTRAN = (
     *_in(
         "body_places.f90",
         "core",
-        (" + zone%offset(member)", ""),
+        (
+            "at => member(k))\n                places%site(i) = zone%site + zone%offset(at)",
+            "at => member(k))\n                places%site(i) = zone%site",
+        ),
         (
             "member = member_of(zones(pairs%zone(:pairs%n)), b)",
             "member = findloc([1, 2], b, dim=1)",
