@@ -24,6 +24,7 @@ module flankload
     use flankload_position_state, only: position_state
     use flankload_position_sweep, only: sweep_positions, sweep_type, n_counters, pair_columns, &
         & pair_columns_with_friction
+    use flankload_problem, only: problem_type, solve_problem
     use flankload_nodal_sweep, only: sweep_nodal_positions, nodal_sweep_type
     implicit none
     private
@@ -42,6 +43,7 @@ module flankload
     public :: level_lumped, level_pairs, slices_type
     public :: friction_type, new_friction
     public :: sweep_positions, sweep_type, n_counters, pair_columns, pair_columns_with_friction
+    public :: problem_type, solve_problem
     public :: sweep_nodal_positions, nodal_sweep_type
     ! The flat interface
     public :: flankload_version, flankload_double_vector, flankload_integer_vector

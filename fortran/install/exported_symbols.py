@@ -55,7 +55,7 @@ def patterns(facade: Path, sources: list[Path]) -> list[str]:
     # Names of gfortran; those generated for a type (table, default, copy, end) begin with `__`.
     procedures = [f"__flankload*_MOD_{name}" for name in sorted(public - set(types))]
     tables = [f"__flankload*_MOD___*_{name.capitalize()}" for name in sorted(reached)]
-    return ["flankload_*_", "flankload_*_c", *procedures, *tables]
+    return ["flankload_*", *procedures, *tables]
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ module flankload_record_file
     implicit none
     private
 
-    public :: read_record
+    public :: motion_marks, read_record
 
     !> First number of a record of motions: of a pair, of several meshes
     real(wp), parameter :: motion_marks(2) = [70768001.0_wp, 70768002.0_wp]

@@ -69,6 +69,7 @@ contains
 
         type(counts_type) :: n
 
+        if (allocated(error)) return
         n = counts_in(record)
         n%sites = size(site_angles)
         call expect(error, n%sites >= 1, 'n_sites', '1 or more', n%sites)
@@ -97,6 +98,7 @@ contains
 
         type(counts_type) :: n
 
+        if (allocated(error)) return
         n = counts_in(record)
         n%modes = size(smooth, 1)
         n%blocks = size(smooth, 3)

@@ -24,6 +24,7 @@ MAY_USE = {
     "solver": {"base"},
     "position": {"base", "flank", "cells", "compliance", "solver"},
     "points": {"base", "flank", "compliance", "solver"},
+    "handles": {"base", "position"},
 }
 
 

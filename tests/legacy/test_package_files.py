@@ -42,7 +42,9 @@ def test_module_internals_are_not_exported(prefix) -> None:
     table = said_by("nm", "-D", "--defined-only", prefix / "lib" / "libflankload.so")
     shown = {line.split()[-1] for line in table.splitlines()}
     flat = {name for name in shown if not name.startswith("__")}
-    prototypes = (ROOT / "fortran" / "flat" / "flankload.h").read_text(encoding="utf-8")
+    headers = ("flat/flankload.h", "handles/flankload_handles.h")
+    texts = ((ROOT / "fortran" / header).read_text(encoding="utf-8") for header in headers)
+    prototypes = "".join(texts)
     by_text = {"flankload_status_text_", "flankload_read_record_"}
     assert flat == set(re.findall(r"\b(flankload_\w+)\(", prototypes)) | by_text
     sources = sorted((ROOT / "fortran").rglob("*.f90"))

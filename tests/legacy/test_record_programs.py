@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -43,11 +44,10 @@ def pair(
     return result, folder / "records"
 
 
-def site_forces(result: fl.Result) -> np.ndarray:
-    """(P, S) Forces of flanks, or of their slices."""
-    if result.slices is None:
-        return result.site_force_N
-    return result.slices.force_N.reshape(len(result.rotation_rad), -1)
+def loads(result: fl.Result, k: int) -> tuple[float, float]:
+    """Largest force of a flank, or of a slice of it, in position k, and their sum."""
+    forces = (result.site_force_N if result.slices is None else result.slices.force_N)[k]
+    return float(forces.max()), float(forces.sum())
 
 
 def test_fixed_form_fortran_solves_a_pair_from_its_files(
@@ -65,14 +65,34 @@ def test_fixed_form_fortran_solves_a_pair_from_its_files(
     name.write_text(f"{records}\n", encoding="ascii")
     first, *rows = run(folder / "records", name, environment).splitlines()
     expect_printed(first.split()[-1], float(result.torque_Nm) * 1e3)
-    forces = site_forces(result)
     assert len(rows) == len(result.rotation_rad)
     for k, row in enumerate(rows):
         _, status, rotation, largest, total = row.split()
         assert int(status) == 0
         expect_printed(rotation, result.rotation_rad[k])
-        expect_printed(largest, forces[k].max())
-        expect_printed(total, forces[k].sum())
+        for word, force in zip((largest, total), loads(result, k), strict=True):
+            expect_printed(word, force)
+
+
+def test_c_solves_a_pair_from_its_files(
+    pair: tuple[fl.Result, Path], prefix: Path, workshop: Path, environment: dict[str, str]
+) -> None:
+    """By handles, in C and through ctypes."""
+    result, records = pair
+    folder = built(EXAMPLES / "c", workshop / "c", environment, static=False, program="records")
+    script = [EXAMPLES / "c" / "records_ctypes.py", prefix / "lib" / "libflankload.so", records]
+    for printed in (
+        run(folder / "records", None, environment, str(records)),
+        run(Path(sys.executable), None, environment, *map(str, script)),
+    ):
+        _, *rows = printed.splitlines()
+        assert len(rows) == len(result.rotation_rad)
+        for k, row in enumerate(rows):
+            _, status, rotation, *forces = row.split()
+            assert int(status) == 0
+            expect_printed(rotation, result.rotation_rad[k])
+            for word, force in zip(forces, loads(result, k), strict=False):
+                expect_printed(word, force)
 
 
 def test_text_and_bytes_have_the_same_numbers(pair: tuple[fl.Result, Path], tmp_path: Path) -> None:
