@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flankload.base.arrays import Floats
 from flankload.base.card import Card
+from flankload.base.torque import in_newton_metres
 
 #: Arrays over the positions, with their units.
 ALONG_POSITIONS = {"torque_2_Nm": "N m", "loss_J_per_rad": "J/rad"}
@@ -117,7 +118,7 @@ def friction_result(
     site_friction = np.bincount(cell, friction, minlength=n * n_sites).astype(np.float64)
 
     def over_positions(values: Floats) -> Floats:
-        return np.bincount(position, values, minlength=n) / 1000.0
+        return in_newton_metres(np.bincount(position, values, minlength=n).astype(np.float64))
 
     torque_2 = over_positions(moment) * sense * np.sign(speeds[1])
     loss = over_positions(friction * pairs["sliding"])

@@ -11,6 +11,7 @@ import numpy as np
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly, frozen
 from flankload.base.rounding import TIE
+from flankload.base.torque import in_newton_metres
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -155,7 +156,7 @@ class SliceLoads(KeepsReadOnly, Card):
             return frozen(np.hypot(*moments.T))
         middle = 0.5 * (self.z_mm[0] + self.z_mm[-1])
         transverse = self.cosine_helix_base * self.force_N.sum(axis=1)
-        return frozen(transverse @ (self.z_mm - middle) / 1000.0)
+        return frozen(in_newton_metres(transverse @ (self.z_mm - middle)))
 
     @cached_property
     def tilting_moments_Nm(self) -> Floats | None:
@@ -166,7 +167,7 @@ class SliceLoads(KeepsReadOnly, Card):
         if self.directions is None:
             return None
         middle = 0.5 * (self.z_mm[0] + self.z_mm[-1])
-        along = self.force_N @ (self.z_mm - middle) / 1000.0
+        along = in_newton_metres(self.force_N @ (self.z_mm - middle))
         normal_x, normal_y = np.moveaxis(self.directions, -1, 0)
         # (x, y, z) x F n, in the plane of x and y
         return frozen(np.stack([-(along * normal_y).sum(1), (along * normal_x).sum(1)], axis=1))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import directions
+from flankload.base.torque import stiffness_Nm_per_rad
 from flankload.mechanisms.belt.contact import lands_in_words
 from flankload.mechanisms.wrapped import Sites, slack_of, wrapped_result
 from flankload.result.drives import BeltDrive
@@ -73,11 +74,8 @@ def sites_of(states: Sequence[BeltState]) -> Sites:
 
 def tangent_stiffness(assembly: BeltAssembly, states: Sequence[BeltState]) -> Floats:
     """(P,) Tangent stiffness, N m/rad; NaN if nothing rotates."""
-    strip = assembly.strip
     compliance = np.array([state.compliance_rad_per_N for state in states])
-    stiffness = np.full_like(compliance, np.nan)
-    np.divide(1e-3 * strip.width_mm, compliance, out=stiffness, where=compliance > 0.0)
-    return stiffness
+    return stiffness_Nm_per_rad(compliance / assembly.strip.width_mm)
 
 
 def _cost(states: Sequence[BeltState]) -> dict[str, object]:

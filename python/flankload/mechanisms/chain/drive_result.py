@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import directions
+from flankload.base.torque import stiffness_Nm_per_rad
 from flankload.mechanisms.chain.contact import WrapState, work_of
 from flankload.mechanisms.chain.wrap import in_world
 from flankload.mechanisms.wrapped import Sites, wrapped_result
@@ -99,7 +100,7 @@ def _force_angles_deg(state: WrapState) -> Floats:
 
 def tangent_stiffness(assembly: ChainAssembly, states: Sequence[WrapState]) -> Floats:
     """(P,) Tangent stiffness, N m/rad."""
-    return 1e-3 / np.array([state.compliance_rad_per_Nmm for state in states])
+    return stiffness_Nm_per_rad(np.array([state.compliance_rad_per_Nmm for state in states]))
 
 
 def _warnings(chain: Chain, sprocket: Sprocket, drive: ChainDrive) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
-from flankload.base.torque import in_newton_metres
+from flankload.base.torque import in_newton_metres, stiffness_Nm_per_rad
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.status import on_corner
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.contact.pair_table import PackedPairs
-    from flankload.contact.sweep import CoastSweep, Sweep
+    from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import GearGeometry
@@ -71,7 +71,7 @@ def result_of(
         reference_radius_mm=pair.body_1.reference_radius_mm,
         site_force_N=found.site_force_N[:, carries],
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / pair.slices.compliance_width_mm,
-        stiffness_tangent_Nm_per_rad=_stiffness(found.tangent_rad_per_Nmm),
+        stiffness_tangent_Nm_per_rad=stiffness_Nm_per_rad(found.tangent_rad_per_Nmm),
         status=found.status,
         pair_tables=_pair_tables(pair, found.pairs, width),
         corner_contact=on_corner(found.site_corner[:, carries]),
@@ -99,14 +99,10 @@ def result_of(
 
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
     """A result with the optional parts: slices, coast flanks, friction."""
-    if not pair.slices.plane:
-        result = replace(
-            result,
-            slices=_slice_loads(pair, pair.slices, found, over_positions(result).weights).at_sites(
-                carries
-            ),
-            shafts=shaft_loads(pair, pair.slices, found),
-        )
+    if found.slices is not None:
+        loads = _slice_loads(pair, found, found.slices, over_positions(result).weights)
+        shafts = shaft_loads(pair, pair.slices, found)
+        result = replace(result, slices=loads.at_sites(carries), shafts=shafts)
     if found.coast is not None:
         result = replace(result, coast=_coast(pair, found.coast, carries, result.face_width_mm))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
@@ -115,10 +111,11 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
     return replace(result, friction=_friction(pair, found, carries, result))
 
 
-def _slice_loads(pair: BodyPair, slices: Slices, found: Sweep, weights: Floats) -> SliceLoads:
+def _slice_loads(
+    pair: BodyPair, found: Sweep, of_slices: SliceStates, weights: Floats
+) -> SliceLoads:
     """Loads of the slices; forces are normal to the flanks; `weights` are those of positions."""
-    of_slices, coast = found.slices, found.coast
-    assert of_slices is not None
+    slices, coast = pair.slices, found.coast
     radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
     tangent = pair.body_1.axial.twist_rad_per_mm * radius
     return SliceLoads(
@@ -162,13 +159,6 @@ def _coast(
         corner_contact=on_corner(found.site_corner[:, carries]),
         pair_tables=_pair_tables(pair, found.pairs, width),
     )
-
-
-def _stiffness(tangent_rad_per_Nmm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Torque divided by rotation; NaN if a very small torque causes no rotation of body 1."""
-    stiffness = np.full_like(tangent_rad_per_Nmm, np.nan)
-    np.divide(1e-3, tangent_rad_per_Nmm, out=stiffness, where=tangent_rad_per_Nmm != 0)
-    return stiffness
 
 
 def _pair_tables(pair: BodyPair, pairs: PackedPairs, width_mm: float) -> PairTables:

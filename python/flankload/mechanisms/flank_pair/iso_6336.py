@@ -60,7 +60,7 @@ def k_h_beta_iso(scene: Scene, pair: BodyPair, torque_Nm: float) -> float | str:
 
     one, two = scene.body_1, scene.body_2
     mesh = pair.pairing.gear_geometry
-    if not (isinstance(one, Gear) and isinstance(two, Gear)) or mesh is None or pair.slices.plane:
+    if not (isinstance(one, Gear) and isinstance(two, Gear)) or mesh is None:
         return "the formula is for two external gears"
     number = 0 if one.teeth <= two.teeth else 1
     pinion, wheel = (one, two) if number == 0 else (two, one)
@@ -70,7 +70,7 @@ def k_h_beta_iso(scene: Scene, pair: BodyPair, torque_Nm: float) -> float | str:
     arrangement = _bending(shaft, _reference_diameter(pinion))
     if isinstance(arrangement, str):
         return f"body_{number + 1}.shaft: {arrangement}"
-    width, diameter = float(pair.slices.width_mm.sum()), _reference_diameter(pinion)
+    width, diameter = pair.face_width_mm, _reference_diameter(pinion)
     torque = torque_Nm * pinion.teeth / one.teeth
     line_load = 2000.0 * torque / (diameter * width)
     f_sh = 0.023 * line_load * (abs(1.0 + arrangement - 0.3) + 0.3) * (width / diameter) ** 2

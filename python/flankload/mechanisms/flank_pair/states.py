@@ -310,17 +310,17 @@ def incomplete_estimate_notes(
     pair: BodyPair, compliances: Compliances, found: tuple[Sweep, ...]
 ) -> tuple[str, ...]:
     """Notes on contacts and bodies whose error the estimate does not include."""
-    slices = [part.slices for part in found if part.slices is not None]
-    if slices:
-        causes = []
-        if any(on_corner(one.corner_off_ends).any() for one in slices):
-            causes.append("the direction of forces at sharp tip corners")
-        if any(body.axial.regions for body in pair.bodies):
-            causes.append(
-                "displacements along the axis (accuracy.axial_degree), converging slowly where "
-                "widths jump"
-            )
-        return (f"not included in the estimated error: {'; '.join(causes)}",) if causes else ()
+    causes = []
+    slices = (part.slices for part in found if part.slices is not None)
+    if any(on_corner(one.corner_off_ends).any() for one in slices):
+        causes.append("the direction of forces at sharp tip corners")
+    if any(body.axial.regions for body in pair.bodies):
+        causes.append(
+            "displacements along the axis (accuracy.axial_degree), converging slowly where "
+            "widths jump"
+        )
+    if causes:
+        return (f"not included in the estimated error: {'; '.join(causes)}",)
     unknown = [
         name
         for name, body, compliance in zip(pair.names, pair.bodies, compliances, strict=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from flankload.base.torque import in_newton_metres
+from flankload.base.torque import in_newton_metres, stiffness_Nm_per_rad
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.status import on_corner
 from flankload.mechanisms.flank_pair.from_sweep import result_of
@@ -80,8 +80,6 @@ def _result(
     pairing, width = assembly.pairing, assembly.face_width_mm
     planets, sun = found.planets, assembly.bodies[0]
     counters = planets.counters.sum(axis=0, dtype=np.int64).tolist()
-    with np.errstate(divide="ignore"):
-        stiffness = 1e-3 / planets.tangent_rad_per_Nmm
     return Result(
         name=scene.name,
         torque_Nm=in_newton_metres(planets.torque_Nmm),
@@ -91,7 +89,7 @@ def _result(
         reference_radius_mm=sun.reference_radius_mm,
         site_force_N=planets.site_force_N,
         peak_pressure_MPa=planets.site_peak_N_per_mm / width,
-        stiffness_tangent_Nm_per_rad=stiffness,
+        stiffness_tangent_Nm_per_rad=stiffness_Nm_per_rad(planets.tangent_rad_per_Nmm),
         status=planets.status,
         pair_tables=PairTables(
             assembly.position_rad.size, partial(_contacts, assembly, found, width)
@@ -138,8 +136,8 @@ def _loads(
         order=surviving_order(n, zs) if even else None,
         orbit_orders=orbit_orders(n, zs, HIGHEST_ORDER) if even else (),
         mesh_load_factor=factor,
-        ring_torque_Nm=in_newton_metres(1.0) * ring_torque,
-        carrier_torque_Nm=in_newton_metres(1.0) * (found.planets.torque_Nmm + ring_torque),
+        ring_torque_Nm=in_newton_metres(ring_torque),
+        carrier_torque_Nm=in_newton_metres(found.planets.torque_Nmm + ring_torque),
         transmission_error_output_urad=1e6 * found.planets.rotation_rad * zs / (zs + zr),
         sun_orbit_um=1000.0 * (found.moved_mm[:, 0] + np.asarray(assembly.errors.sun_at_mm)),
         ring_orbit_um=1000.0 * (found.moved_mm[:, -1] + by_bolts),
