@@ -9,6 +9,7 @@ from msgspec import Meta
 from flankload.scene.refusal import refuse, refuse_absent, shown
 from flankload.scene.shaft import Shaft
 from flankload.scene.table import (
+    BODIES,
     PER_MODULE,
     PER_WIDTH,
     USUAL_ERRORS,
@@ -323,7 +324,7 @@ def three_dimensional_key(scene: "Scene | SceneFile") -> str | None:
 def _varying_key(scene: "Scene | SceneFile") -> str | None:
     """The first key that varies along the axis."""
     pair, widths = scene.pair, []
-    for key in ("body_1", "body_2", "planet"):
+    for key in BODIES:
         body = getattr(scene, key)
         if not isinstance(body, AxialKeys):
             continue

@@ -11,6 +11,7 @@ from flankload.scene.chain import Chain
 from flankload.scene.chain_sizes import CHAIN_SIZES
 from flankload.scene.form import check_key
 from flankload.scene.materials import EFFECT_KEYS, ELASTIC_KEYS, MATERIALS, NamedMaterial
+from flankload.scene.table import BODIES
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
@@ -50,7 +51,7 @@ def with_catalogue(tree: Any) -> Any:
 def catalogue_keys(tree: Any) -> Keys:
     """Keys that follow from the names of a scene, by table, also those that the scene sets."""
     bodies = [_table(tree, name) for name in ("body_1", "body_2")]
-    found: Keys = {"body_1": {}, "body_2": {}, "planet": {}}
+    found: Keys = {name: {} for name in BODIES}
     for name in found:
         body = _table(tree, name)
         material = _entry(MATERIALS, body, "material")
@@ -68,7 +69,7 @@ def keys_of_names(tree: Tree) -> Keys:
     return catalogue_keys(
         {
             body: {key: _table(tree, body)[key] for key in names if key in _table(tree, body)}
-            for body in ("body_1", "body_2", "planet")
+            for body in BODIES
         }
     )
 

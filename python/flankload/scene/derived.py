@@ -19,7 +19,7 @@ from flankload.scene.axial import AxialKeys, common_range
 from flankload.scene.involute import InvoluteKeys
 from flankload.scene.pair import Pair
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.table import SMALLEST_LENGTH
+from flankload.scene.table import BODIES, SMALLEST_LENGTH
 from flankload.scene.thickness import Teeth, generating_shift
 from flankload.scene.tree import number_at
 
@@ -160,7 +160,7 @@ def source_of(scene: Scene, path: str) -> str:
 
 def _bodies(asked: SceneFile) -> tuple[str, ...]:
     """Names of the bodies."""
-    return ("body_1", "body_2") if asked.planet is None else ("body_1", "planet", "body_2")
+    return tuple(name for name in BODIES if getattr(asked, name) is not None)
 
 
 def _mates(asked: SceneFile) -> tuple[tuple[str, str], ...]:

@@ -15,7 +15,7 @@ from msgspec.structs import FieldInfo
 from flankload.scene.expected import expected_of
 from flankload.scene.groups import in_groups
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.table import BY_NAME, Table
+from flankload.scene.table import BODIES, BY_NAME, Table
 
 T = TypeVar("T", bound=Table)
 
@@ -216,7 +216,7 @@ def types_of(form: type[Table]) -> dict[str, inspect.Type]:
 
 def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoReturn:
     path = f"{key}.{name}" if key else name
-    for begin, feature in OF_SOME_BODIES.items() if key.startswith(("body_", "planet")) else ():
+    for begin, feature in OF_SOME_BODIES.items() if key.startswith(BODIES) else ():
         if any(other.startswith(begin) for other in known):
             continue  # this kind of body has the feature
         if name == begin or (begin.endswith("_") and name.startswith(begin)):
