@@ -16,7 +16,7 @@ import numpy as np
 from flankload import _core
 from flankload.contact.body_record import packed_parts
 from flankload.contact.core_call import CORE_COUNTERS
-from flankload.contact.pair_table import PackedPairs, columns_of
+from flankload.contact.pair_table import PackedPairs, columns_of, join_pairs
 from flankload.contact.status import Status, checked
 
 if TYPE_CHECKING:
@@ -215,7 +215,9 @@ def _states(
     n = len(CORE_COUNTERS)
     count, first = counters[n], counters[n + 1] - 1
     stored = np.where(first >= 0, count, 0)
-    sites = site - 1
+    # the room for pairs is many times larger than what one case of loads has of them
+    each = [PackedPairs(site, table, first[:, t], stored[:, t]) for t in range(status.shape[1])]
+    own = [join_pairs([part], np.arange(len(status))) for part in each]
     return MeshStates(
         status=status,
         motion=motion.transpose(1, 2, 0),
@@ -226,7 +228,5 @@ def _states(
         site_force_N=force.transpose(1, 2, 0),
         site_peak_N_per_mm=peak.transpose(1, 2, 0),
         site_corner=corner.transpose(1, 2, 0),
-        pairs=tuple(
-            PackedPairs(sites, table, first[:, t], stored[:, t]) for t in range(status.shape[1])
-        ),
+        pairs=tuple(replace(part, site=part.site - 1) for part in own),
     )

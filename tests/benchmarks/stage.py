@@ -1,0 +1,74 @@
+"""A planetary stage of four planets: time of a state in the core, and of runs around it.
+
+CPU seconds of one thread, least of several runs, without error estimates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from time import process_time
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+import flankload as fl
+from flankload.contact.stage_contact import sweep_stage
+from flankload.mechanisms.stage.assembly import assemble
+from flankload.mechanisms.stage.mechanism import MECHANISM
+from flankload.mechanisms.stage_clock import StageClock
+from tests.support.paths import SCENES
+
+#: Wanted, ms: a state with lumped contact, and with cells; 48 prepared positions; three bodies.
+WANTED = {"lumped": 0.2, "pairs": 3.0, "prepared": 15.0, "bodies": 300.0}
+POSITIONS, TIMES = 48, 3
+QUIET = {"accuracy.estimate": False, "positions.count": POSITIONS}
+
+
+def run() -> str:
+    """Measure and return the table."""
+    with threadpool_limits(limits=1):
+        return "\n".join(_lines())
+
+
+def _lines() -> list[str]:
+    scene = fl.read_scene(SCENES / "planetary_stage.toml").replace(QUIET)
+    fl.solve(scene.replace({"effects.contact": "lumped"}))  # imports
+    lines = [f"{'':>36}{'ms':>9}{'wanted':>9}"]
+    for level in ("lumped", "pairs"):
+        own = scene.replace({"effects.contact": level})
+        clock = StageClock(None, MECHANISM.body_names, 1, {})
+        assembly, compliances = MECHANISM.compliances(own, assemble(own), clock, {})
+        contact = assembly.contact(own, compliances)
+        for torques in (own.torques_Nmm, tuple(np.linspace(300e3, 600e3, 5))):
+            seconds = _least(partial(sweep_stage, contact, assembly.position_rad, torques))
+            words = f"{level}, a state of {len(torques)} torque(s)"
+            lines.append(_row(words, seconds / (POSITIONS * len(torques)), WANTED[level]))
+    lumped = scene.replace({"effects.contact": "lumped"})
+    prepared = fl.prepare(lumped)
+    prepared.solve()
+    errors = iter(range(1, 100))
+    key = "stage.pin_tangential_errors_um"
+    changed = _least(lambda: prepared.solve({key: [next(errors), 0, 0, 0]}))
+    lines.append(_row(f"{POSITIONS} positions, prepared", changed, WANTED["prepared"]))
+
+    def bodies() -> None:
+        clock = StageClock(None, MECHANISM.body_names, 1, {})
+        MECHANISM.compliances(lumped, assemble(lumped), clock, {})
+
+    lines.append(_row("three bodies", _least(bodies), WANTED["bodies"]))
+    return lines
+
+
+def _row(words: str, seconds: float, wanted_ms: float) -> str:
+    return f"{words:>36}{1e3 * seconds:>9.3g}{wanted_ms:>9.3g}"
+
+
+def _least(work: Callable[[], object]) -> float:
+    """Least CPU seconds of several runs."""
+    spent = []
+    for _ in range(TIMES):
+        begin = process_time()
+        work()
+        spent.append(process_time() - begin)
+    return min(spent)
