@@ -1,7 +1,8 @@
 """Tries all of packaging/ but the wheel for Windows, and the files that describe the project.
 
-check.py FOLDER: builds there. Needs the Python packages cffconvert and py-rattler-build, go, and
-for the Debian packages debhelper, lintian and libopenblas-dev. A line for each.
+check.py FOLDER: builds there. Needs the Python packages cffconvert, py-rattler-build,
+pypandoc-binary and typst, go, and for the Debian packages debhelper, lintian and libopenblas-dev.
+A line for each.
 """
 
 from __future__ import annotations
@@ -68,12 +69,18 @@ def check_debian(work: Path) -> str:
     return f"Debian packages: {', '.join(made)}; lintian finds no error"
 
 
+def check_paper(work: Path) -> str:
+    """Figures and PDF of the paper."""
+    return run(sys.executable, "paper/build.py", work / "paper").strip()
+
+
 def main(work: Path) -> None:
     """All of it."""
     work.mkdir(parents=True, exist_ok=True)
     print(check_workflow(work), flush=True)
     print(check_citation(), flush=True)
     print(check_conda(), flush=True)
+    print(check_paper(work), flush=True)
     print(check_debian(work), flush=True)
 
 

@@ -1,4 +1,4 @@
-"""The recipes in `packaging` name what pyproject.toml requires."""
+"""The recipes in `packaging` name what pyproject.toml requires; the paper cites what it lists."""
 
 from __future__ import annotations
 
@@ -58,3 +58,9 @@ def test_zenodo_says_what_the_citation_says() -> None:
     assert f'title: "{record["title"]}"' in citation
     [words] = re.findall(r"^keywords:\n((?:  - .*\n)+)", citation, re.M)
     assert record["keywords"] == re.findall(r"  - (.*)\n", words)
+
+
+def test_the_paper_cites_each_of_its_references() -> None:
+    cited = re.findall(r"[\[ (]@(\w+)", (ROOT / "paper/paper.md").read_text("utf-8"))
+    listed = re.findall(r"^@\w+\{(\w+),", (ROOT / "paper/paper.bib").read_text("utf-8"), re.M)
+    assert set(cited) == set(listed)
