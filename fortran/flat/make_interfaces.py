@@ -49,11 +49,24 @@ def interface(name: str, arguments: str, body: str) -> str:
     return "".join(in_both_forms(*statement) for statement in statements)
 
 
+def use_of(constants: str) -> str:
+    """Return an interface that names all constants, so that no compiler calls one unused."""
+    names = re.findall(r"(\w+)=", constants)
+    statements = [
+        ("subroutine fl_numbers(unused)", 8),
+        ("import", 10),
+        ("implicit none", 10),
+        (f"integer, intent(in) :: unused(max({', '.join(names)}))", 10),
+        ("end subroutine fl_numbers", 8),
+    ]
+    return "".join(in_both_forms(*statement) for statement in statements)
+
+
 def interfaces() -> str:
     """Return the text of the include file."""
     constants = (FLAT / "flankload.inc").read_text(encoding="ascii")
     constants = constants[constants.index("! Known structure of K") :]
-    text = HEAD + constants + "      interface\n"
+    text = HEAD + constants + "      interface\n" + use_of(constants)
     for path in sorted(FLAT.glob("*.f90")):
         source = re.sub(r"&\s*\n\s*&\s*", "", path.read_text(encoding="utf-8"))
         text += "".join(interface(*found) for found in PROCEDURE.findall(source))

@@ -28,9 +28,11 @@ BODY = f"""\
       end
 """
 INCLUDE = "      include 'flankload_interfaces.inc'\n"
+#: Regression: 54 warnings of unused parameters.
+WARN = ["-Wall", "-Wextra"]
 WAYS = {
-    "fixed.f": ("      program call\n      implicit none\n" + INCLUDE, ["-std=legacy"]),
-    "free.f90": ("program call\nimplicit none\n" + INCLUDE, ["-std=f2008", "-pedantic"]),
+    "fixed.f": ("      program call\n      implicit none\n" + INCLUDE, ["-std=legacy", *WARN]),
+    "free.f90": ("program call\nimplicit none\n" + INCLUDE, ["-std=f2008", "-pedantic", *WARN]),
     "module.f90": ("program call\nuse flankload\nimplicit none\n", ["-std=f2008", "-pedantic"]),
 }
 
