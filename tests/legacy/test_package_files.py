@@ -68,6 +68,19 @@ def test_pkg_config_requires_openblas(prefix, environment) -> None:
     assert "-lgfortran" in linked
 
 
+def test_two_builds_give_the_same_bytes(prefix) -> None:
+    """That of the Python package and that without Python, in folders of their own."""
+    built = "fortran/libflankload.a.p"
+    one, two = (
+        {path.name: path.read_bytes() for path in (folder / built).glob("*.o")}
+        for folder in (ROOT / "build", prefix.parent)
+    )
+    if not one:
+        pytest.skip("the Python package was built elsewhere")
+    assert len(one) > 100
+    assert one == two
+
+
 def test_soname_is_that_of_the_interface(prefix) -> None:
     version = re.search(r"^Version: (.*)$", package_config(prefix), re.MULTILINE)[1].split(".")
     interface = ".".join(version[:2] if version[0] == "0" else version[:1])
