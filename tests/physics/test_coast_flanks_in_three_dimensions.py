@@ -134,7 +134,7 @@ def test_the_mirror_image_of_tight_gears_has_mirrored_loads() -> None:
 def spur(width_mm: float, dimension: int, torque_Nm: float = 60.0, **effects: Any) -> fl.Result:
     """FZG type C gears with rounded tips, 10 um too near, under a torque per width."""
     bodies = {key: {**EXTERNAL[key], "tip_radius_mm": 0.3} for key in ("body_1", "body_2")}
-    sizes = {"flank_element_mm": 2.0, "modes": 3, "estimate": False, "tangents": False}
+    sizes = {"flank_element_mm": 3.0, "modes": 3, "estimate": False, "tangents": False}
     if dimension == 3:
         sizes |= {"slices": 6, "load_degree_z": 1, "axial_degree": 5}
         effects |= {"dimension": 3}

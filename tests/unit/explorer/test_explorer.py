@@ -28,13 +28,16 @@ from tests.support.solving import solve
 
 NAME = "external_gear"
 RELIEF = {"body_1.tip_relief_um": 20, "body_2.tip_relief_um": 15}
+FEW = {"accuracy.estimate": False, "accuracy.tangents": False, "accuracy.flank_element_mm": 4.0,
+       "accuracy.strips_per_half_width": 2.5, "accuracy.corner_strips_per_half_width": 2.5,
+       "positions.count": 8}  # fmt: skip
 RANGE = "vary.load.torque_Nm: expected two ascending numbers, LOW:HIGH, found '{}'"
 TORQUE = {"load.torque_Nm": 200.0}
 
 
-def scene_of(name: str = NAME) -> fl.Scene:
-    scene = fl.read_scene(SCENES / f"{name}.toml")
-    return scene.replace({"accuracy.estimate": False})
+def scene_of() -> fl.Scene:
+    """An example at few positions, on coarse elements and cells."""
+    return fl.read_scene(SCENES / f"{NAME}.toml").replace(FEW)
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +136,7 @@ def test_a_broken_premise_is_the_error_of_the_change(explorer: Any) -> None:
 
 
 def test_an_optimisation_goes_to_a_better_design_and_undo_returns() -> None:
-    scene = scene_of().replace({"positions.count": 8})
+    scene = scene_of()
     figure = "transmission_error_peak_to_peak_um"
     with fl.explore(scene, ["body_1.profile_crowning_um"], open_browser=False) as own:
         before = own.result.summary[figure]
@@ -236,7 +239,7 @@ def test_bars_are_not_over_the_angle_of_a_stage(name: str, labels: list[dict[str
 # --- bodies ---------------------------------------------------------------------------------------
 def test_teeth_over_their_width_carry_the_line_load_of_each_contact() -> None:
     few = {"estimate": False, "tangents": False, "flank_element_mm": 3.0, "modes": 3, "slices": 6}
-    scene = scene_of("helical_gear").replace(
+    scene = fl.read_scene(SCENES / "helical_gear.toml").replace(
         {f"accuracy.{key}": value for key, value in few.items()} | {"positions.count": 2}
     )
     found = solve(scene)

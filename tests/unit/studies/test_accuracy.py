@@ -112,7 +112,7 @@ def short_ladders() -> Iterator[None]:
         finest = {"flank_element_mm": 0.5, "strips_per_half_width": 20.0, "count": 2.0}
         patch.setattr(refinements, "FINEST", (finest,))
         patch.setattr(refinements, "SPATIAL_STEPS", 2)
-        finest = {"flank_element_mm": 1.0, "axial_degree": 6, "load_degree_z": 2, "count": 2.0}
+        finest = {"flank_element_mm": 1.5, "axial_degree": 6, "load_degree_z": 2, "count": 2.0}
         patch.setattr(refinements, "SPATIAL_FINEST", (finest,))
         for room in (refinements, reference):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)
@@ -499,7 +499,7 @@ def test_front_descends_and_holds_the_cheapest(study: AccuracyStudy) -> None:
 @pytest.fixture(scope="module")
 def spatial_study(short_ladders: None) -> AccuracyStudy:
     with pytest.MonkeyPatch.context() as patch:
-        for name, steps in {"modes": (3, 5), "flank_element_mm": (2.0, 1.0)}.items():
+        for name, steps in {"modes": (3, 5), "flank_element_mm": (3.0, 1.5)}.items():
             patch.setitem(STEPS, name, replace(STEPS[name], study=steps))
         return accuracy(spatial(), (*QUANTITIES, "face_load_factor"), ENOUGH)
 

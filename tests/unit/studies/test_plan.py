@@ -234,14 +234,19 @@ def test_nodes_that_are_on_are_as_far_off_as_those_that_would_be(plain_plan: Pla
 
 
 def test_finite_forces_are_small_and_dear() -> None:
-    """Two runs of the internal pair: -0.0023 % and 0.0028 %; sweeps fifty times as long."""
-    plan = fl.plan(example_of("internal_gear"), levels=True)
-    row = plan.effect("finite_influence")
-    assert row.size is not None
-    assert row.size.rotation_mean is not None
-    assert -5e-5 < row.size.rotation_mean < 0
-    assert row.extra_s is not None
-    assert row.extra_s > 3 * plan.predicted["stages"]["sweep"]["cpu_s"]
+    """Two runs of the internal pair: -0.0023 % and 0.0028 %; influence coefficients of each force
+    again and again, until neither changes."""
+    mean = predicted_size("internal_gear", "finite_influence").rotation_mean
+    assert mean is not None
+    assert -5e-5 < mean < 0
+    scene = coarse(example_of("internal_gear"))
+    finite = toggled(scene, "finite_influence", on=False)
+    assert finite is not None
+    assert finite.scene is not None
+    small, large = (solved(each).cost for each in (scene, finite.scene))
+    assert small["finite_solutions"] == 0
+    assert large["finite_solutions"] > large["states"] == small["states"]
+    assert large["influence_columns"] > 3 * small["influence_columns"]
 
 
 def test_present_and_absent_effects_have_one_size(plain_plan: Plan) -> None:
