@@ -60,7 +60,6 @@ def result_of(
     if found.coast is not None:
         loaded |= (found.coast.site_force_N > 0).any(axis=0)
     carries = np.flatnonzero(loaded | (pair.pairing.sites == 0) | circle)
-    width = pair.face_width_mm
     pair_notes = (*pair.notes, *([pair.flank_distance_note] if pair.flank_distance_note else []))
     result = Result(
         name=scene.name,
@@ -73,13 +72,13 @@ def result_of(
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / pair.slices.compliance_width_mm,
         stiffness_tangent_Nm_per_rad=stiffness_Nm_per_rad(found.tangent_rad_per_Nmm),
         status=found.status,
-        pair_tables=_pair_tables(pair, found.pairs, width),
+        pair_tables=_pair_tables(pair, found.pairs),
         corner_contact=on_corner(found.site_corner[:, carries]),
         pitch_rad=pair.pairing.pitch_rad,
         period_rad=pair.period_rad,
         closed=pair.closed,
         whole_circle=circle,
-        face_width_mm=width,
+        face_width_mm=pair.face_width_mm,
         estimate=estimate,
         cost=_cost(found, compliances),
         warnings=(*pair_notes, *notes, *notes_of_sweep(pair, compliances, found)),
@@ -104,7 +103,7 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
         shafts = shaft_loads(pair, pair.slices, found)
         result = replace(result, slices=loads.at_sites(carries), shafts=shafts)
     if found.coast is not None:
-        result = replace(result, coast=_coast(pair, found.coast, carries, result.face_width_mm))
+        result = replace(result, coast=_coast(pair, found.coast, carries))
     result = replace(result, warnings=(*result.warnings, *notes_of_result(result, pair)))
     if pair.friction is None:
         return result
@@ -149,24 +148,22 @@ def _cost(found: Sweep, compliances: Compliances) -> dict[str, object]:
     }
 
 
-def _coast(
-    pair: BodyPair, found: CoastSweep, carries: NDArray[np.int64], width: float
-) -> CoastContact:
+def _coast(pair: BodyPair, found: CoastSweep, carries: NDArray[np.int64]) -> CoastContact:
     """Contact on the coast flanks of some pair numbers."""
     return CoastContact(
         force_N=found.site_force_N[:, carries],
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / pair.slices.compliance_width_mm,
         corner_contact=on_corner(found.site_corner[:, carries]),
-        pair_tables=_pair_tables(pair, found.pairs, width),
+        pair_tables=_pair_tables(pair, found.pairs),
     )
 
 
-def _pair_tables(pair: BodyPair, pairs: PackedPairs, width_mm: float) -> PairTables:
+def _pair_tables(pair: BodyPair, pairs: PackedPairs) -> PairTables:
     """Tables of the contact pairs at all positions, made on demand."""
-    return PairTables(len(pairs.count), partial(_pair_table, pair, pairs, width_mm))
+    return PairTables(len(pairs.count), partial(_pair_table, pair, pairs))
 
 
-def _pair_table(pair: BodyPair, pairs: PackedPairs, width_mm: float, p: int) -> PairTable:
+def _pair_table(pair: BodyPair, pairs: PackedPairs, p: int) -> PairTable:
     """Contact pairs at position p."""
     column, number, slices = pairs.columns_at(p), pairs.slices_at(p), pair.slices
     # the contact line of a slice and its normal are inclined by the base helix angle

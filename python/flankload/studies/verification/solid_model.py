@@ -66,7 +66,7 @@ def solid_model_of(
     """
     pair = coarse_bodies(scene, COARSE_PART)
     elements = elements_per_half_width
-    places = _places(pair, pair.slices, result, position, elements)
+    places = _places(pair, result, position, elements)
     half_width = max(place.half_width_mm for place in places)
     touch = min(place.gap_rad for place in places)
     start = touch + START_PART * (float(result.rotation_rad[position]) - touch)
@@ -102,23 +102,21 @@ def _layer_count(result: Result, width_mm: float, half_width_mm: float, elements
     return max(1, round(LAYERS * elements), round(steps))
 
 
-def _places(
-    pair: GearMesh, slices: Slices, result: Result, position: int, elements: float
-) -> tuple[Place, ...]:
+def _places(pair: GearMesh, result: Result, position: int, elements: float) -> tuple[Place, ...]:
     """Places where flanks may touch in all slices, with the length of elements there."""
-    turns = turns_of(pair, float(result.position_rad[position]))
+    slices, turns = pair.slices, turns_of(pair, float(result.position_rad[position]))
     largest = float(result.width_loads.line_load_N_per_mm[position].max())
     compliance = sum(logarithm_strength(body.material, "strain") for body in pair.bodies)
     places = []
     for j in range(slices.count):
         stand = turns[0] + float(slices.turns_rad[0][j]), turns[1] + float(slices.turns_rad[1][j])
         for meeting in meetings(pair, stand):
-            late = _removed(pair, slices, meeting.site, j) / pair.bodies[0].reference_radius_mm
+            late = _removed(slices, meeting.site, j) / pair.bodies[0].reference_radius_mm
             places.append(meeting.place(compliance * largest, elements, late))
     return reachable(places, float(result.rotation_rad[position]), REACH)
 
 
-def _removed(pair: GearMesh, slices: Slices, site: int, j: int) -> float:
+def _removed(slices: Slices, site: int, j: int) -> float:
     """Upper bound of the metal removed from both flanks of a site in a slice, mm."""
     total = 0.0
     for z in (0, 1):
