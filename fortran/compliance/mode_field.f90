@@ -42,8 +42,8 @@ module flankload_mode_field
 
 contains
 
-    !> Add the displacements by modes to the lower triangle of K.
-    pure subroutine add_modes(bodies, places, n, matrix)
+    !> Add the displacements by modes to the lower triangle of K, or set it.
+    pure subroutine add_modes(bodies, places, n, matrix, is_first)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: bodies(:)
         !> Places of each body, those of a flank adjacent
@@ -52,11 +52,20 @@ contains
         integer, intent(in) :: n
         !> K [mm/N] (of explicit shape, so that parts of it are passed in place)
         real(wp), intent(inout) :: matrix(n, n)
+        !> True if the lower triangle is set, so that it needs not be cleared before; false by
+        !> default
+        logical, intent(in), optional :: is_first
 
+        logical :: sets
         integer :: b, m, first, last, row, row_last
         integer :: at(n, size(bodies)), before(size(bodies) + 1), flank(n)
         real(wp), allocatable :: values(:, :), displaced(:, :)
 
+        sets = .false.
+        if (present(is_first)) sets = is_first
+        m = sum([(size(places(b)%values, 1), b=1, size(bodies))])
+        if (sets .and. (n <= few .or. m == 0)) matrix = 0.0_wp
+        if (m == 0) return
         if (n <= few) then
             do b = 1, size(bodies)
                 call add_modes_singly(bodies(b), places(b), matrix)
@@ -71,7 +80,6 @@ contains
             at(places(b)%of, b) = [(m, m=1, size(places(b)%of))]
             flank(places(b)%of) = places(b)%flank
         end do
-        m = before(size(before))
         allocate (values(m, n), displaced(m, panel), source=0.0_wp)
         do b = 1, size(bodies)
             values(before(b) + 1:before(b + 1), places(b)%of) = places(b)%values
@@ -86,8 +94,13 @@ contains
                     call displace(bodies(b), places(b), at([row, first], b), last - first + 1, &
                         & before(b), m, displaced)
                 end do
-                call add_block(row_last - row + 1, last - first + 1, m, values(1, row), &
-                    & displaced, n, matrix(row, first))
+                if (sets) then
+                    call set_product(row_last - row + 1, last - first + 1, m, values(1, row), &
+                        & displaced, n, matrix(row, first))
+                else
+                    call add_block(row_last - row + 1, last - first + 1, m, values(1, row), &
+                        & displaced, n, matrix(row, first))
+                end if
                 row = row_last + 1
             end do
             first = last + 1

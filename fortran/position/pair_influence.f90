@@ -50,13 +50,13 @@ contains
         do b = 1, size(bodies)
             places(b) = places_at_pairs(b, bodies(b), meshes, zones, pairs)
         end do
-        matrix = 0.0_wp
         call add_contributions(symmetric, bodies, meshes, zones, pairs, places, matrix)
         call mirror(matrix)
         call add_contributions(other, bodies, meshes, zones, pairs, places, matrix)
     end subroutine pair_influences
 
-    !> Displacements by the modes of all bodies, between all of their meshes.
+    !> Displacements by the modes of all bodies, between all of their meshes: the first
+    !> contribution, which sets the lower triangle.
     pure subroutine elastic_modes(bodies, meshes, zones, pairs, places, matrix)
         !> As in between_bodies
         type(body_type), intent(in) :: bodies(:)
@@ -66,7 +66,7 @@ contains
         type(places_type), intent(in) :: places(:)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        call add_modes(bodies%compliance, places, pairs%n, matrix)
+        call add_modes(bodies%compliance, places, pairs%n, matrix, is_first=.true.)
     end subroutine elastic_modes
 
     !> Near field of the cells of all meshes in slices, with their images.

@@ -149,8 +149,12 @@ _FORTRAN = (
     ),
     *_in(
         "body_places.f90",
-        "unit/contact/test_sliced_meshes.py",
+        "core physics/test_helical_stage_meshes.py",
         ("if (member == 2) n = -n", "if (member == 2) n = n"),
+    ),
+    *_in(
+        "body_places.f90",
+        "unit/contact/test_sliced_meshes.py",
         ("[turned_to_fixed_frame(mesh, n), &", "[n, &"),
     ),
     *_in(
