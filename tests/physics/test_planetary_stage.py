@@ -7,11 +7,12 @@ import pytest
 
 import flankload as fl
 from flankload.mechanisms.stage.assembly import assemble
+from flankload.mechanisms.stage.states import counted_work
 from flankload.pairing.stage import surviving_order
 from flankload.pairing.stage_paths import paths_of
 from flankload.report.turning import turning
 from flankload.studies.benchmark.case import read_cases
-from tests.support.planetary_stages import four
+from tests.support.planetary_stages import four, scene_of
 from tests.support.solving import solve
 from tests.support.tolerances import SOLVER
 
@@ -270,6 +271,16 @@ def test_two_planets_carry_all(floating, errors, torque, at):
         stage={"floating": floating, "pin_tangential_errors_um": errors},
     )
     np.testing.assert_allclose(found.mesh_load_factor, 2.0, rtol=1e-2)
+
+
+def test_the_work_of_the_elements_is_predicted():
+    """It was 0, so that a plan had no time for them."""
+    bolts = {"ring_support": "bolts", "bolts": 8, "bolt_stiffness_N_per_um": 100}
+    scene = scene_of(positions={"count": 1}, stage=bolts)
+    stages = fl.solve(scene).cost["stages"]
+    for name, predicted in counted_work(scene, assemble(scene)).items():
+        found = stages[name]["counters"] | {"bytes": stages[name]["bytes"]}
+        assert {key: found.get(key, 0) for key in predicted} == dict(predicted), name
 
 
 def test_numbers_of_a_published_stage():

@@ -55,6 +55,10 @@ class ElasticBodies(Protocol):
     def discretization(self) -> Discretization:
         """Size of the elements, and number of pressure modes."""
 
+    @property
+    def effects(self) -> Effects:
+        """Effects of the run."""
+
 
 #: Effects that need loads along the flanks.
 FRICTION, FINITE = "effects.friction_coefficient", "effects.influence = 'finite'"

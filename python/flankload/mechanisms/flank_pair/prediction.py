@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.bodies import Body
+    from flankload.mechanisms.elements import ElasticBodies
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Effects, Work
@@ -44,6 +45,8 @@ FURTHER = (
     "coast_readings",
     "corner_readings",
 )
+#: Unit forces on a rim, counted as normal loads.
+RIM_LOADS = 2
 #: Further sweeps of the estimate of three-dimensional bodies: degrees along the axis, slices.
 SLICE_VARIANTS = 2
 
@@ -61,14 +64,16 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     stages = {"bodies": {"states": 0 if known else 1}}
     for z, (name, job) in enumerate(zip(pair.names, pair.jobs, strict=True)):
         if job.needs_elements:
-            stages[elements_stage(name)] = _elements(scene, pair, z)
+            stages[elements_stage(name)] = work_of_elements(scene, pair, z, name)
     return stages | _sweeps(scene, pair)
 
 
-def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
-    """Work of the elements of body z."""
+def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> dict[str, int]:
+    """Work of the elements of body z; effects act on it as on the body with this name."""
     body, job = pair.bodies[z], pair.jobs[z]
-    work = work_in(elements_stage(pair.names[z]), pair.effects)
+    work = work_in(elements_stage(name), pair.effects)
+    if job.coast_flanks:
+        work = replace(work, coast_readings=1)
     if not job.elastic:  # elements are needed for the expansion only
         work = replace(work, factorisations=1, normal_loads=1)
     # friction, finite influence coefficients and modified flanks use the same loads
@@ -80,7 +85,7 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
     fillets = job.fillets
     places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
     if pair.effects.three_dimensions:
-        estimated = scene.accuracy.estimate and z in elements_estimated(pair)
+        estimated = scene.accuracy.estimate and _is_estimated(pair, z)
         degrees = degrees_of(scene.accuracy)
         found = _prism(body, work, modes, degrees, estimated)
         found["stress_recoveries"] = recovered = places if work.recoveries else 0
@@ -91,7 +96,8 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
     if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh):
         found = _whole(body, work, modes, growth)
     else:
-        found = _sector(body.mesh, work, modes, growth, places, corners=int(corners))
+        rim = RIM_LOADS if job.rim else 0
+        found = _sector(body.mesh, work, modes, growth, places, corners=int(corners), rim=rim)
     if body.mesh is None:
         return found
     if isinstance(body.mesh, SectorMesh):
@@ -99,7 +105,11 @@ def _elements(scene: Scene, pair: BodyPair, z: int) -> dict[str, int]:
     else:
         found["fe_unknowns"] = 2 * (len(body.mesh.nodes) - len(body.mesh.fixed_nodes))
     counted = _without_unasked(found, pair.effects)
+    if job.rim:  # its response is part of larger arrays
+        return found
     held = _plane_bytes(body.mesh, counted, places, corners=int(corners))
+    if job.coast_flanks and isinstance(body.mesh, SectorMesh):
+        held += WORD * 3 * body.mesh.teeth * modes**2
     return found | {"bytes": held + (0 if fillets is None else held_bytes(fillets.points))}
 
 
@@ -133,9 +143,13 @@ def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
 
     Empty for nodal tables: there, fewer nodes give the error of both bodies.
     """
-    if pair.effects.nodal_near_field:
-        return ()
-    return tuple(z for z in (0, 1) if pair.jobs[z].elastic and pair.bodies[z].mesh is not None)
+    return tuple(z for z in (0, 1) if _is_estimated(pair, z))
+
+
+def _is_estimated(pair: ElasticBodies, z: int) -> bool:
+    """Whether the discretization error of the elements of a body is estimated."""
+    elastic = pair.jobs[z].elastic and pair.bodies[z].mesh is not None
+    return elastic and not pair.effects.nodal_near_field
 
 
 def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
@@ -151,7 +165,14 @@ def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
 
 
 def _sector(
-    mesh: SectorMesh, work: Work, modes: int, growth: int, places: int, *, corners: int
+    mesh: SectorMesh,
+    work: Work,
+    modes: int,
+    growth: int,
+    places: int,
+    *,
+    corners: int,
+    rim: int,
 ) -> dict[str, int]:
     """Work of a sector: a solution for each unknown of its cuts, or one factorisation for many."""
     cuts = 2 * (len(mesh.left_nodes) + len(mesh.right_nodes))
@@ -159,7 +180,7 @@ def _sector(
     normal, tangential = (round(part) * modes for part in _loads(work))
     return _solved(
         round(work.factorisations) + many,
-        normal,
+        normal + rim,
         tangential,
         fe_load_cases_growth=growth,
         bore_reactions=IN_PLANE.size if mesh.has_free_bore else 0,

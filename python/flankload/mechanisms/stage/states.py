@@ -19,6 +19,7 @@ from flankload.mechanisms.elements import (
     reduced_compliances,
     solve_bodies,
 )
+from flankload.mechanisms.flank_pair.prediction import work_of_elements
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage_clock import StageClock, elements_stage
 
@@ -54,10 +55,10 @@ class StageStates:
 
 
 def counted_work(scene: Scene, assembly: StageAssembly) -> Counted:
-    """Number of states; the work of the elements and of the estimate is not predicted."""
+    """Work of the elements, and number of states; that of the estimate is not predicted."""
     elements: Counted = {
-        elements_stage(name): {}
-        for name, job in zip(NAMES, assembly.jobs, strict=True)
+        elements_stage(name): work_of_elements(scene, assembly, z, NAMES[0])
+        for z, (name, job) in enumerate(zip(NAMES, assembly.jobs, strict=True))
         if job.elastic
     }
     states = {"states": assembly.position_rad.size * len(scene.torques_Nm)}
