@@ -1,9 +1,9 @@
 """How honest the error estimate is: what it says beside what a much finer solution shows.
 
 FLANKLOAD_ESTIMATE=… sets another number of scenes than 42, FLANKLOAD_SEED=… draws others,
-FLANKLOAD_DIMENSION=3 draws gears in three dimensions. The finer solutions stay in
-out/bench_estimate_SEED, so that a changed estimate costs the plain runs alone; a run that was
-stopped goes on from there.
+FLANKLOAD_DIMENSION=3 draws gears and rings in three dimensions, with other widths, shafts and webs;
+their finer solutions have cells. They stay in out/bench_estimate_SEED, so that a changed estimate
+costs the plain runs alone; a run that was stopped goes on from there.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def run() -> str:
     found, left_out = [], 0
     drawn, name = scenes(count, seed=seed), str(seed)
     if os.environ.get("FLANKLOAD_DIMENSION") == "3":
-        drawn = [("solid gears", scene) for scene in spatial_scenes(count, seed=seed)]
+        drawn = list(spatial_scenes(count, seed=seed))
         name += "_spatial"
     for k, (kind, scene) in enumerate(drawn):
         truth = kept_truth(scene, Path(STORE.format(name, k)))

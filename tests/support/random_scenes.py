@@ -21,6 +21,8 @@ STEEL = 2 * (1 - 0.3**2) / (pi * 206000.0)
 #: Seed of the scenes with which the factors of the estimate were determined.
 SEED = 7
 KINDS = ("gears", "ring", "gears", "spline", "gears", "cam")
+#: Thickness of both sides of a rim with a web, in modules.
+RIM = 4.0
 
 Scene = dict[str, Any]
 
@@ -51,21 +53,58 @@ def _scenes(count: int, seed: int) -> tuple[tuple[str, Scene], ...]:
 
 
 @cache
-def spatial_scenes(count: int, *, seed: int = SEED) -> tuple[Scene, ...]:
-    """The given number of valid pairs of gears in three dimensions."""
-    found: list[Scene] = []
+def spatial_scenes(count: int, *, seed: int = SEED) -> tuple[tuple[str, Scene], ...]:
+    """The given number of valid pairs in three dimensions, every fourth with a ring."""
+    found: list[tuple[str, Scene]] = []
     rng = np.random.default_rng(seed)
     while len(found) < count:
-        scene = draw_gears(rng)
+        kind = "solid ring" if len(found) % 4 == 3 else "solid gears"
+        scene = draw_ring(rng) if kind == "solid ring" else draw_gears(rng)
         if scene is None:
             continue
         extend(scene, rng)
+        for name in ("body_1", "body_2"):
+            if scene[name]["kind"] == "gear":
+                add_shaft_or_web(scene, scene[name], rng)
         try:
             build_bodies(fl.Scene.from_dict(scene))
         except FlankloadError:
             continue
-        found.append(scene)
+        found.append((kind, scene))
     return tuple(found)
+
+
+def add_shaft_or_web(scene: Scene, body: Scene, rng: np.random.Generator) -> None:
+    """Give a fifth of the gears a shaft; of the others, a fifth of those with a rim a web."""
+    draw = rng.random()
+    if draw < 0.2:
+        body["shaft"] = random_shaft(scene, body, rng)
+    elif draw < 0.4:
+        module = body["module_mm"]
+        across = cos(radians(body.get("helix_angle_deg", 0.0)))
+        root = module * (body["teeth"] / across + 2 * body["profile_shift"] - 2.5)
+        inside = root - RIM * module
+        if inside > 1.3 * body["bore_diameter_mm"]:
+            body["web_width_mm"] = scene["pair"]["face_width_mm"] * float(rng.uniform(0.3, 0.8))
+            body["web_outer_diameter_mm"] = inside
+
+
+def random_shaft(scene: Scene, body: Scene, rng: np.random.Generator) -> Scene:
+    """Two steps on two bearings, the teeth between or beside them."""
+    length = scene["pair"]["face_width_mm"] * float(rng.uniform(2.5, 6))
+    step, bore = float(rng.uniform(0.3, 0.7)), body["bore_diameter_mm"]
+    shaft: Scene = {
+        "diameters_mm": [bore, bore * float(rng.uniform(0.7, 1.0))],
+        "lengths_mm": [step * length, (1 - step) * length],
+        "gear_position_mm": length * float(rng.uniform(0.2, 0.8)),
+        "bearing_positions_mm": (length * np.sort(rng.uniform(0, 1, 2))).tolist(),
+        "radial_stiffness_N_per_um": rng.uniform(50, 1000, 2).tolist(),
+    }
+    if rng.random() < 0.5:
+        shaft["axial_stiffness_N_per_um"] = [float(rng.uniform(50, 500)), 0.0]
+    if rng.random() < 0.3:
+        shaft |= {"under_teeth": "flexible", "torque_end": str(rng.choice(["I", "II", "even"]))}
+    return shaft
 
 
 def extend(scene: Scene, rng: np.random.Generator) -> None:

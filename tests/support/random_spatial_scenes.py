@@ -9,7 +9,14 @@ import numpy as np
 import flankload as fl
 from flankload.errors import FlankloadError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from tests.support.random_scenes import Scene, draw_gears, draw_ring, draw_spline, extend
+from tests.support.random_scenes import (
+    Scene,
+    draw_gears,
+    draw_ring,
+    draw_spline,
+    extend,
+    random_shaft,
+)
 
 KINDS = ("gears", "gears", "ring", "coupling")
 #: Identities hold for any bodies: few elements, modes and slices.
@@ -91,25 +98,7 @@ def _add_effects(scene: Scene, rng: np.random.Generator) -> None:
         if rng.random() < 0.15:
             body["tooth_helix_slope_um"] = rng.uniform(-6, 6, body["teeth"]).tolist()
         if body["kind"] == "gear" and rng.random() < 0.25:
-            body["shaft"] = _shaft(scene, body, rng)
-
-
-def _shaft(scene: Scene, body: Scene, rng: np.random.Generator) -> Scene:
-    """Two steps on two bearings, the teeth between or beside them."""
-    length = scene["pair"]["face_width_mm"] * float(rng.uniform(2.5, 6))
-    step, bore = float(rng.uniform(0.3, 0.7)), body["bore_diameter_mm"]
-    shaft: Scene = {
-        "diameters_mm": [bore, bore * float(rng.uniform(0.7, 1.0))],
-        "lengths_mm": [step * length, (1 - step) * length],
-        "gear_position_mm": length * float(rng.uniform(0.2, 0.8)),
-        "bearing_positions_mm": (length * np.sort(rng.uniform(0, 1, 2))).tolist(),
-        "radial_stiffness_N_per_um": rng.uniform(50, 1000, 2).tolist(),
-    }
-    if rng.random() < 0.5:
-        shaft["axial_stiffness_N_per_um"] = [float(rng.uniform(50, 500)), 0.0]
-    if rng.random() < 0.3:
-        shaft |= {"under_teeth": "flexible", "torque_end": str(rng.choice(["I", "II", "even"]))}
-    return shaft
+            body["shaft"] = random_shaft(scene, body, rng)
 
 
 def mirrored(table: Scene) -> Scene:
