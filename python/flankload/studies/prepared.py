@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from msgspec import structs
+
 from flankload.cost import Account
+from flankload.errors import ContactError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms import prepare as prepare_parts
 from flankload.result import Result
@@ -99,7 +103,10 @@ def _solve_chosen(
     parts: Parts | None,
     plan: Plan | None,
 ) -> tuple[Result, ...]:
-    """Solve a scene once; the effects that it leaves to the plan are chosen before."""
+    """Solve a scene once; the effects that it leaves to the plan are chosen before.
+
+    Slices of contacts that are short along the axis may have no state; cells have one then.
+    """
     stages: dict[str, Account] = {}
     notes: tuple[str, ...] = ()
     if scene.effects.choose is not None:
@@ -110,10 +117,21 @@ def _solve_chosen(
         with stages.setdefault("plan", Account()):
             scene, choice = choose_effects(scene)
         notes = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
-    return run_once(
-        scene,
-        kept,
-        progress,
-        plan=None if plan is None else plan.predicted["stages"],
-        earlier=Earlier(stages, notes, parts),
-    )
+    predicted = None if plan is None else plan.predicted["stages"]
+    try:
+        return run_once(
+            scene, kept, progress, plan=predicted, earlier=Earlier(stages, notes, parts)
+        )
+    except ContactError as error:
+        cells = _with_cells(scene)
+        if cells is None:
+            raise
+        notes = (*notes, f"{error}: solved with cells instead (effects.contact = 'pairs')")
+    return run_once(cells, kept, progress, earlier=Earlier(stages, notes, parts))
+
+
+def _with_cells(scene: Scene) -> Scene | None:
+    """The scene with cells, if its slices have lumped contacts without being asked for them."""
+    if scene.effects.contact != "lumped" or "contact" in scene.named_effects:
+        return None
+    return replace(scene, effects=structs.replace(scene.effects, contact="pairs"))

@@ -15,10 +15,13 @@ import flankload as fl
 from flankload.base.digest import digest_of
 from flankload.bodies import Body
 from flankload.elasticity.job_log import JobCost
+from flankload.errors import PivotLimit
 from flankload.flank import fit
+from flankload.mechanisms import Earlier
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.reuse import MOST_PARTS, Parts, made_once
 from flankload.scene.unmodified import UNMODIFIED, unmodified
+from flankload.studies import prepared
 from tests.support.gear_scenes import SCENE, example
 from tests.support.mesh_files import COARSE_PINION, COARSE_WHEEL
 from tests.support.paths import SCENES
@@ -388,3 +391,32 @@ def test_other_pitch_errors_build_no_body(monkeypatch: pytest.MonkeyPatch) -> No
         found = prepared.solve(changes)
     assert bits(found) == bits(fl.solve(scene.replace(changes)))
     assert bits(found) != bits(prepared.solve())
+
+
+# --- contacts that slices refuse ------------------------------------------------------------------
+def test_contacts_without_a_state_in_slices_are_solved_with_cells(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Slices are the default of three dimensions; short contacts had no result."""
+
+    def once(
+        scene: fl.Scene, *_: object, earlier: Earlier, plan: object = None
+    ) -> tuple[tuple[fl.Scene, tuple[str, ...]]]:
+        assert plan is None
+        if scene.effects.contact == "lumped":
+            raise PivotLimit("position 1: no state")
+        return ((scene, earlier.notes),)
+
+    monkeypatch.setattr(prepared, "run_once", once)
+    found, notes = solve_found(fl.read_scene(SCENES / "helical_gear.toml"))
+    assert found.effects.contact == "pairs"
+    assert notes == ("position 1: no state: solved with cells instead (effects.contact = 'pairs')",)
+    for path, level in (("helical_gear", "lumped"), ("external_gear_friction", "lumped")):
+        scene = fl.read_scene(SCENES / f"{path}.toml").replace({"effects.contact": level})
+        with pytest.raises(PivotLimit, match="no state"):
+            solve_found(scene)
+
+
+def solve_found(scene: fl.Scene) -> Any:
+    """What the only run of a scene gives."""
+    return prepared.solve_scene(scene, None, None)
