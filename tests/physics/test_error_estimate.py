@@ -12,6 +12,7 @@ import pytest
 import flankload as fl
 from flankload.analysis.error_rules import STRIPS, RemainingError, peak_of_cells, remaining_errors
 from flankload.analysis.estimate import (
+    MISSING,
     ON_CORNERS,
     ON_TIPS,
     OVERALL,
@@ -22,6 +23,7 @@ from flankload.analysis.estimate import (
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
+from flankload.errors import PivotLimit
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import contact_of
@@ -38,6 +40,8 @@ SAMPLE = (6, 25)
 FINER = (4, 4, 4)
 #: Parts of their numbers that must be covered and near; of all scenes 95 % and 80 %.
 LEAST_COVERED, LEAST_NEAR = 0.85, 0.75
+#: Median of the ratios of estimate to error.
+MOST_MEDIAN = 4.0
 #: How far smoothed stresses may be off the true loss, below and above, on default elements:
 #: measured 0.5 to 1.0 in the mean over the flank of toothed bodies.
 LEAST_TOLD, MOST_TOLD = 0.4, 1.3
@@ -136,6 +140,7 @@ def test_estimate_is_honest() -> None:
     true, told = np.array(both).T
     assert np.mean(true <= told) >= LEAST_COVERED
     assert np.mean(told < 10 * true) >= LEAST_NEAR
+    assert np.median(told / true) <= MOST_MEDIAN
 
 
 def test_every_source_is_named() -> None:
@@ -264,6 +269,31 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
     assert not any("peak_pressure" in parts for parts in estimate.by_source.values())
     assert estimate.errors["load_share"] > 0
     assert estimate.as_dict()["uncertain"] == {"peak_pressure": ON_CORNERS}
+
+
+def test_a_comparison_without_states_leaves_out_its_source_only() -> None:
+    """It ended the run: contacts of half as many slices may not converge where all do."""
+    scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
+    pair = build_bodies(scene)
+    compliances = tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2))
+    (found,) = sweep(contact_of(scene, pair, compliances), pair.position_rad, [302e3])
+
+    def run(*, slices: int = 28, **_: object) -> tuple[Sweep, ...]:
+        if slices < 28:
+            raise PivotLimit("position 1: no state")
+        return (found,)
+
+    (estimate,) = estimate_errors(
+        (found,),
+        run,
+        compliances,
+        Grid(),
+        np.array([0.5, 0.5]),
+        variants={"modes": {}, "slices": {"slices": 14}},
+    )
+    assert set(estimate.by_source) == {"strips", "modes"}
+    assert set(estimate.uncertain.values()) == {MISSING.format("slices")}
+    assert "transmission_error" in estimate.uncertain
 
 
 def test_the_error_of_the_largest_pressure_is_beside_it() -> None:

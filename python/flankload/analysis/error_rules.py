@@ -8,14 +8,15 @@ are independent and are added as squares.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from flankload.analysis.load_factors import (
-    face_load_factor,
-    largest_line_loads,
-    line_load_factors,
+    line_loads,
+    loads_over_period,
+    relative_loads,
 )
 from flankload.analysis.tangent import LARGEST_KINK
 from flankload.base.rounding import TIE
@@ -50,8 +51,6 @@ class Rule:
         The same for means, relative to the change of the mean.
     doubt_scatter : float
         Further deviation of means, relative to the mean absolute change.
-    doubt_share : float or None
-        The first doubt for load shares, if different.
     """
 
     part: float
@@ -59,19 +58,14 @@ class Rule:
     doubt_pressure: float
     doubt_overall: float
     doubt_scatter: float = 0.0
-    doubt_share: float | None = None
 
 
 #: Second order: with half as many cells, the remaining error is a third of the change.
 STRIPS = Rule(1 / 3, 2 / 3, 2 / 3, 1 / 3)
-#: Modes above the two highest. Terms alternate along the flank; near a tip, where the compliance
-#: increases like a logarithm towards a corner, they hardly decrease until the contact is resolved.
-MODES = Rule(0.4, 2.3, 1.0, 1.0, 0.1)
-#: The same if the corners of all flanks have images, which represent that logarithm. With elements
-#: a third as long, the error of five modes was 0.1 to 1.1 of the largest change of the rotation and
-#: 0.1 to 2.1 of that of the load shares (27 gears and rings); with roundings or chamfers up to 3.6
-#: and 5.9. Means nearly cancel; their error is up to 0.4 of the changes at single positions.
-MODES_WITH_IMAGES = Rule(0.4, 0.7, 1.0, 1.0, 0.4, doubt_share=1.7)
+#: Without the two highest modes, if contacts cover more than this part of a flank: at both ends the
+#: terms hardly decrease.
+COVERED = 0.5
+MODES = Rule(0.4, 2.3, 1.0, 2.3)
 #: Error of peak pressures, relative to the largest change of the load share. The change of the
 #: peaks by the two highest modes is a poor measure, since the curvature of these near the ends of a
 #: flank is not that of the omitted modes (112 gears and rings: correlation of the logarithms 0.45
@@ -81,14 +75,22 @@ MODES_WITH_IMAGES = Rule(0.4, 0.7, 1.0, 1.0, 0.4, doubt_share=1.7)
 SHARE_TO_PEAK = 3.0
 #: Half as many nodes: if the error is only proportional to their distance, it equals the change.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
-#: Without the two highest modes along the profile, without the two highest degrees along the axis,
-#: with half as many slices: series whose terms decrease to a quarter or less with each such step,
-#: so that a third of the last change remains. Signs vary, and changes of two sources at one place
-#: may cancel: the error was at most 0.7 of the change.
-IN_SLICES = Rule(0.0, 0.75, 0.75, 0.75)
+#: Without the two highest modes along the profile or degrees along the axis, with half as many
+#: slices. Line loads and pressures at an end converge with the second power of these numbers, so
+#: that from 3 to 5 degrees a half of the change remains; signs vary, and changes of two sources at
+#: one place may cancel.
+SERIES = Rule(0.0, 0.75, 0.75, 0.75)
+#: Rotations and load shares converge like a geometric series, with the ratio of the last two steps;
+#: terms alternate in size, so that the next ratio may be four times as large. Shares are ratios of
+#: two flanks, which may err in opposite directions.
+NEXT_RATIO = 4.0
+#: Ending of the names of sweeps with two steps of a source.
+BEFORE = " before"
 #: Doubt of single line loads, relative to that of pressures: where a contact ends within a slice,
 #: they change with the first power of the slices' width.
-LINE_LOADS = 1.5
+LINE_LOADS = 2.0
+#: Line loads of at least this part of the largest one may be the largest: less than their error.
+NEARLY_LARGEST = 0.99
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
@@ -137,7 +139,13 @@ def mean_stiffness(softness: Floats) -> Floats | None:
 
 
 def remaining_errors(
-    rule: Rule, found: Sweep, base: Sweep, other: Sweep, weights: Floats
+    rule: Rule,
+    found: Sweep,
+    base: Sweep,
+    other: Sweep,
+    weights: Floats,
+    *,
+    before: Sweep | None = None,
 ) -> dict[str, RemainingError]:
     """Remaining errors of one source in the quantities of a sweep.
 
@@ -150,17 +158,24 @@ def remaining_errors(
         Sweeps without and with the change by the source.
     weights : (P,) array
         Parts of the positions in the mean load over the face width.
+    before : Sweep, optional
+        With twice the change: its steps show how fast rotations and shares converge.
     """
     unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
+    turning = sharing = rule
+    if before is not None:
+        turning = _of_series(rule, change, before.rotation_rad - other.rotation_rad)
+        shares = [_shares(part) for part in (base, other, before)]
+        sharing = _of_series(rule, 2.0 * (shares[1] - shares[0]), shares[2] - shares[1])
     errors = {
-        "transmission_error": _at_each(rule, change, np.abs(rotation).max()),
-        "load_share": _at_each(_of_shares(rule), _shares(other) - _shares(base), 1.0),
+        "transmission_error": _at_each(turning, change, np.abs(rotation).max()),
+        "load_share": _at_each(sharing, _shares(other) - _shares(base), 1.0),
         "peak_pressure": _at_each(
             _of_pressures(rule), _peak_change(found, base, other), _largest_peak(found)
         ),
-        "transmission_error_mean": _of_mean(rule, change, rotation),
-        "transmission_error_peak_to_peak": _of_peak_to_peak(rule, change, rotation),
+        "transmission_error_mean": _of_mean(turning, change, rotation),
+        "transmission_error_peak_to_peak": _of_peak_to_peak(turning, change, rotation),
     }
     for name, softness in (
         ("stiffness_secant", [s.rotation_rad - unloaded for s in (found, base, other)]),
@@ -170,10 +185,10 @@ def remaining_errors(
         one, two, three = stiffness
         if one is not None and two is not None and three is not None:
             change = np.where(np.abs(three - two) <= LARGEST_KINK * one, three - two, 0.0)
-            errors[name] = _of_mean(rule, change, one)
+            errors[name] = _of_mean(turning, change, one)
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
-        errors[COAST] = _at_each(_of_shares(rule), change, 1.0)
+        errors[COAST] = _at_each(sharing, change, 1.0)
     if found.slices is not None:
         errors |= _of_line_loads(rule, found, base, other, weights)
     return errors
@@ -188,14 +203,17 @@ def _of_line_loads(
     change = change[..., _slices_around(found, other)]
     change = np.where(on_corner(_slices(found).corner), 0.0, change)
     errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest)}
-    for name, number_of in (
-        (FACE_LOAD, lambda part: face_load_factor(part, weights)),
-        (LINE_FACTOR, lambda part: float(line_load_factors(part).max())),
-        (PEAK_LINE, lambda part: float(largest_line_loads(part).max())),
+    around = _slices_around(found, other)
+    for name, loads_of in (
+        (FACE_LOAD, partial(loads_over_period, weights=weights)),
+        (LINE_FACTOR, relative_loads),
+        (PEAK_LINE, line_loads),
     ):
-        one, two, three = (number_of(part) for part in (found, base, other))
-        change = np.array([three - two])
-        errors[name] = _at_each(_of_pressures(rule), change, one)
+        one, two, three = (loads_of(part) for part in (found, base, other))
+        # where the largest one is found may change
+        change = np.where(one >= NEARLY_LARGEST * one.max(), three[..., around] - two, 0.0)
+        largest = change.flat[np.abs(change).argmax()]
+        errors[name] = _at_each(_of_pressures(rule), np.array([largest]), one.max())
     return errors
 
 
@@ -218,14 +236,16 @@ def _slices(part: Sweep) -> SliceStates:
     return part.slices
 
 
+def _of_series(rule: Rule, change: Floats, before: Floats) -> Rule:
+    """The rule of a geometric series: its ratio is that of the largest changes of two steps."""
+    last, first = (float(np.abs(values).max()) for values in (change, before))
+    ratio = NEXT_RATIO * last / first if first > 0 else np.inf
+    return replace(rule, doubt=min(rule.doubt, ratio), doubt_overall=min(rule.doubt_overall, ratio))
+
+
 def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:
     """The rule with its doubt for pressures, or with a part of that."""
     return replace(rule, doubt=part * rule.doubt_pressure)
-
-
-def _of_shares(rule: Rule) -> Rule:
-    """The rule with its doubt for load shares."""
-    return rule if rule.doubt_share is None else replace(rule, doubt=rule.doubt_share)
 
 
 def _at_each(rule: Rule, change: Floats, whole: float | np.floating) -> RemainingError:
@@ -296,20 +316,23 @@ def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
     return np.where(_smooth(found, base, other), change, 0.0)
 
 
-def peak_of_modes(found: Sweep, base: Sweep, other: Sweep) -> RemainingError:
-    """Error of the modes in the peaks off sharp corners; sweeps as in `remaining_errors`."""
-    changes = np.abs(_shares(other) - _shares(base))
-    change = float(changes.max(initial=0.0))
-    largest = _largest_peak(found)
-    if change < TIE:  # one pair carries alone throughout
-        return _at_each(_of_pressures(MODES), _peak_change(found, base, other), largest)
+def peak_of_modes(
+    found: Sweep, base: Sweep, other: Sweep, shares: RemainingError
+) -> RemainingError:
+    """Error of the modes in the peaks off sharp corners; sweeps as in `remaining_errors`.
+
+    `shares` is their error in the load shares.
+    """
+    error, largest = shares.size, _largest_peak(found)
+    if error < TIE:  # one pair carries alone throughout
+        return _at_each(_of_pressures(SERIES), _peak_change(found, base, other), largest)
     peak = np.where(_smooth(found, base, other), found.site_peak_N_per_mm, 0.0)
     part = peak / largest if largest > 0 else np.zeros_like(peak)
     # the peak of a line contact is proportional to the root of its force: for a pair that has just
     # begun to carry load, the true peak may be a multiple
     share = np.maximum(_shares(found), np.finfo(float).tiny)
-    begun = np.sqrt(1.0 + (MODES.part + MODES.doubt) * changes / share) - 1.0
-    return RemainingError(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * change, begun) * part)
+    begun = np.sqrt(1.0 + (np.abs(shares.error) + shares.doubt) / share) - 1.0
+    return RemainingError(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * error, begun) * part)
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> RemainingError:

@@ -32,6 +32,7 @@ Changes caused by the compliance hardly depend on the cells, so they are compute
 
 from __future__ import annotations
 
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -39,18 +40,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.error_rules import (
+    BEFORE,
     COAST,
+    COVERED,
     ELEMENTS,
     FACE_LOAD,
-    IN_SLICES,
     LARGEST_PRESSURE,
     LINE_FACTOR,
     LINE_LOAD,
     MODES,
-    MODES_WITH_IMAGES,
     NODES,
     PEAK_LINE,
     PEAK_PRESSURE,
+    SERIES,
     STRIPS,
     RemainingError,
     any_smooth_peak,
@@ -61,6 +63,7 @@ from flankload.analysis.error_rules import (
 )
 from flankload.analysis.period_error import HARMONICS_KEY
 from flankload.contact.status import on_corner
+from flankload.errors import ContactError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -92,8 +95,10 @@ ON_CORNERS = (
 )
 ON_ENDS = "contact on sharp ends, where no finite pressure exists (end_relief_um makes it finite)"
 ON_TIPS = "contact on a rounding or a chamfer, where the pressure converges slowly"
+#: Reason for quantities without the error of a source.
+MISSING = "states of the comparison do not converge: {}"
 #: Largest number of sweeps of an estimate.
-MOST_SWEEPS = 3
+MOST_SWEEPS = 4
 
 
 def n_sweeps(*, lumped: bool, elements: bool, variants: int = 0) -> int:
@@ -205,7 +210,7 @@ def estimate_errors(
         Parts of the positions in means over the period.
     variants : mapping
         Arguments of `run` for the reduced sweeps, by the source whose error their change shows;
-        always "modes".
+        always "modes". Those of a source with `BEFORE` have twice the change.
     lumped : callable or None
         Errors of the lumped contacts of a torque, by its index; None if contacts have cells.
     sources : mapping
@@ -217,10 +222,14 @@ def estimate_errors(
     tuple of Estimate, one per torque
     """
     coarse = found if lumped is not None else run(compliances=compliances, grid=cells, part=0)
-    others = {
-        source: run(**{"compliances": compliances, **arguments}, grid=cells, part=number)
-        for number, (source, arguments) in enumerate(variants.items(), start=1)
-    }
+    others: dict[str, tuple[Sweep, ...]] = {}
+    for number, (source, arguments) in enumerate(variants.items(), start=1):
+        # the states of a reduced sweep may not converge where those of the sweep do
+        with nullcontext() if source == "modes" else suppress(ContactError):
+            others[source] = run(
+                **{"compliances": compliances, **arguments}, grid=cells, part=number
+            )
+    missing = ", ".join(source for source in variants if source not in others)
     estimates = []
     for t, part in enumerate(found):
         errors: dict[str, dict[str, RemainingError]] = {}
@@ -238,7 +247,11 @@ def estimate_errors(
         for parts in errors.values():
             if PEAK_PRESSURE in parts and LARGEST_PRESSURE not in parts:
                 parts[LARGEST_PRESSURE] = at_largest_peak(parts[PEAK_PRESSURE], part)
-        estimates.append(Estimate.of(errors, _uncertain_pressure(part, compliances)))
+        uncertain = _uncertain_pressure(part, compliances)
+        if missing:
+            quantities = set().union(*errors.values())
+            uncertain |= dict.fromkeys(sorted(quantities), MISSING.format(missing))
+        estimates.append(Estimate.of(errors, uncertain))
     return tuple(estimates)
 
 
@@ -276,19 +289,35 @@ def _of_compliances(
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
-    imaged = all(any(compliance.near.wedge) or compliance.is_rigid for compliance in compliances)
-    of_modes = MODES_WITH_IMAGES if imaged else MODES
-    in_slices = coarse.slices is not None
-    rules = {
-        "modes": IN_SLICES if in_slices else NODES if nodal else of_modes,
-        "elements": ELEMENTS,
-        "axial": IN_SLICES,
-        "slices": IN_SLICES,
-    }
+    series = not _covers(part, compliances)
+    of_modes = SERIES if series or coarse.slices is not None else MODES
+    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
     errors = {
-        source: remaining_errors(rules[source], part, coarse, other, weights)
+        source: remaining_errors(
+            rules.get(source, SERIES),
+            part,
+            coarse,
+            other,
+            weights,
+            before=others.get(source + BEFORE) if series else None,
+        )
         for source, other in others.items()
+        if not source.endswith(BEFORE)
     }
-    if not nodal and not in_slices:
-        errors["modes"]["peak_pressure"] = peak_of_modes(part, coarse, others["modes"])
+    if not nodal and coarse.slices is None:
+        errors["modes"]["peak_pressure"] = peak_of_modes(
+            part, coarse, others["modes"], errors["modes"]["load_share"]
+        )
     return errors
+
+
+def _covers(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
+    """Whether the cells of a contact in the plane cover a large part of the shorter flank."""
+    if part.slices is not None:
+        return part.slices.conforming
+    pairs = part.pairs
+    loaded = pairs.column("force") > 0
+    sites = pairs.sites[loaded] + (1 + pairs.sites.max(initial=0)) * pairs.position[loaded]
+    width = np.bincount(sites, pairs.column("cell")[loaded])
+    length = min(high - low for low, high in (each.modes.range_mm for each in compliances))
+    return bool(width.max(initial=0.0) > COVERED * length)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from flankload.analysis.error_rules import BEFORE
 from flankload.cost import Account, held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
@@ -243,8 +244,10 @@ def reduced_compliances(
     compliances: tuple[BodyCompliance, ...],
 ) -> dict[str, dict[str, object]]:
     """Arguments of the sweeps that show the errors of modes, and of elements if estimated."""
-    fewer = tuple(each.fewer_modes(REDUCED_MODES) for each in compliances)
-    found: dict[str, dict[str, object]] = {"modes": {"compliances": fewer}}
+    found: dict[str, dict[str, object]] = {
+        source: {"compliances": tuple(each.fewer_modes(fewer) for each in compliances)}
+        for source, fewer in (("modes", REDUCED_MODES), (f"modes{BEFORE}", 2 * REDUCED_MODES))
+    }
     if any(each.fe_error is not None for each in compliances):
         found["elements"] = {"compliances": tuple(each.with_fe_error(1.0) for each in compliances)}
     return found

@@ -157,7 +157,7 @@ def test_tangent_and_estimate_have_accounts_of_their_own() -> None:
     assert [stages[name]["counters"]["states"] for name in ("sweep", "tangent", "estimate")] == [
         4,
         8,
-        12,
+        16,
     ]
     for name in ("influence_columns", "pivots", "contact_passes"):
         assert stages["sweep"]["counters"][name] == with_both["of_this_torque"][name]

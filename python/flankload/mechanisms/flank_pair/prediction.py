@@ -48,7 +48,7 @@ FURTHER = (
 #: Unit forces on a rim, counted as normal loads.
 RIM_LOADS = 2
 #: Further sweeps of the estimate of three-dimensional bodies: degrees along the axis, slices.
-SLICE_VARIANTS = 2
+SLICE_VARIANTS = 3
 
 
 def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:

@@ -8,8 +8,10 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
+from flankload.analysis.error_rules import BEFORE
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import (
+    FEW_CELLS,
     error_beside_cells,
     measured_error,
     positions_for_cells,
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
     from flankload.contact.core_call import KnownContacts
     from flankload.contact.flank_contact import FlankContact
     from flankload.contact.sweep import Sweep
+    from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.protocol import States
     from flankload.pairing.body_pair import BodyPair
@@ -258,7 +261,7 @@ def _lumped_errors(
         with suppress(ContactError):  # then from measurements
             # an account of its own: how many cells these are, no plan knows
             cells = sweep(
-                replace(states.contact, level="pairs"),
+                replace(states.contact, level="pairs", grid=FEW_CELLS),
                 states.position_rad[at],
                 [part.torque_Nmm for part in found],
                 keep_pairs=False,
@@ -281,10 +284,20 @@ def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, o
     """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
     found = reduced_compliances(compliances)
     if not pair.slices.plane:
-        fewer = tuple(each.fewer_axial_modes(REDUCED_DEGREES) for each in compliances)
-        coarser = replace(pair, slices=pair.slices.coarser())
-        found |= {"axial": {"compliances": fewer}, "slices": {"mesh": coarser}}
+        found |= {
+            "axial": _each(compliances, lambda body: body.fewer_axial_modes(REDUCED_DEGREES)),
+            "slices": {"mesh": replace(pair, slices=pair.slices.coarser())},
+            f"axial{BEFORE}": _each(
+                compliances, lambda body: body.fewer_axial_modes(2 * REDUCED_DEGREES)
+            ),
+        }
     return found
+
+
+def _each(
+    compliances: Compliances, change: Callable[[BodyCompliance], BodyCompliance]
+) -> dict[str, object]:
+    return {"compliances": tuple(change(each) for each in compliances)}
 
 
 def _sources(
