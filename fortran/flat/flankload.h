@@ -132,6 +132,12 @@ void flankload_pack_mesh_(const int *n_sites, const double *axes, const double *
 void flankload_pack_part_(const int *part, const int *n_values, const double *values,
                           const int *n_record, double *record, int *info);
 
+/* Begin the record of a body from points of its flank and tables of compliance between them. */
+void flankload_pack_points_(const int *n_points, const double *points, const int *corners,
+                            const int *n_blocks, const double *compliance, const int *n_sites,
+                            const double *site_angles, const double *deviations, const int *block,
+                            const double *kernel, const int *n_record, double *record, int *info);
+
 /* Read the record in a file of `flankload record`. A positive info is its length; n_record = 0 only
    returns this number. */
 void flankload_read_record_c(const char *name, int n_record, double *record, int *info);

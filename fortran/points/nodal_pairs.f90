@@ -16,7 +16,7 @@ module flankload_nodal_pairs
     implicit none
     private
 
-    public :: expect_axes, expect_points, nodal_body, nodal_pairs_type
+    public :: expect_axes, expect_distinct, expect_points, nodal_body, nodal_pairs_type
     public :: new_nodal_body, most_nodal_pairs, find_nodal_pairs, nodal_influences
 
     !> Flanks of one body as points, and their compliance table.
@@ -99,6 +99,23 @@ contains
         call expect(error, all(ieee_is_finite(compliance)), 'compliance_'//number, &
             & 'finite numbers')
     end subroutine expect_points
+
+    !> Check that points define a curve.
+    pure subroutine expect_distinct(error, points)
+        !> Set if the points are invalid
+        type(error_type), allocatable, intent(inout) :: error
+        !> The points [mm], shape (2, n)
+        real(wp), intent(in) :: points(:, :)
+
+        integer :: n
+
+        n = size(points, 2)
+        call expect(error, n >= 2, 'n_points', '2 or more', n)
+        call expect(error, all(ieee_is_finite(points)), 'points', 'finite numbers')
+        if (allocated(error)) return
+        call expect(error, all(norm2(points(:, 2:) - points(:, :n - 1), 1) > 0.0_wp), 'points', &
+            & 'neighbours apart from each other')
+    end subroutine expect_distinct
 
     !> Check the axes, the sense of the torque and the number of circles.
     pure subroutine expect_axes(error, axis_1, axis_2, turn, n_circles)

@@ -5,7 +5,7 @@ module flankload_node_curve
     implicit none
     private
 
-    public :: curve_through_points
+    public :: arc_through_points, curve_through_points
 
 contains
 
@@ -19,16 +19,57 @@ contains
         real(wp), intent(in) :: points(:, :)
         type(flank_curve_type) :: curve
 
-        integer :: n, k
-        real(wp), allocatable :: step(:), slope(:, :), bend(:, :)
+        integer :: n
 
         n = size(points, 2)
-        allocate (step(n - 1), slope(2, n - 1))
+        curve = spline(points, norm2(points(:, 2:) - points(:, :n - 1), 1))
+    end function curve_through_points
+
+    !> Return the spline through points whose breaks are the arc lengths at the points, as far as
+    !> the arc length of a spline over chords is that of the flank: fourth order in the spacing.
+    pure function arc_through_points(points) result(curve)
+        !> As in curve_through_points
+        real(wp), intent(in) :: points(:, :)
+        type(flank_curve_type) :: curve
+
+        !> Gauss rule of three points on (0, 1)
+        real(wp), parameter :: place(3) = 0.5_wp + 0.5_wp*sqrt(0.6_wp)*[-1.0_wp, 0.0_wp, 1.0_wp]
+        real(wp), parameter :: weight(3) = [5.0_wp, 8.0_wp, 5.0_wp]/18.0_wp
+        integer :: k, i, n
+        real(wp) :: t
+        real(wp), allocatable :: step(:)
+
+        n = size(points, 2)
+        curve = curve_through_points(points)
+        allocate (step(n - 1), source=0.0_wp)
+        do k = 1, n - 1
+            do i = 1, 3
+                t = place(i)*(curve%breaks(k) - curve%breaks(k - 1))
+                step(k) = step(k) + weight(i)*(curve%breaks(k) - curve%breaks(k - 1))* &
+                    & norm2(curve%coefficients(1, :, k) + 2.0_wp*t*curve%coefficients(2, :, k) &
+                    & + 3.0_wp*t**2*curve%coefficients(3, :, k))
+            end do
+        end do
+        curve = spline(points, step)
+    end function arc_through_points
+
+    !> Return the spline through points over a parameter with given steps.
+    pure function spline(points, step) result(curve)
+        !> As in curve_through_points
+        real(wp), intent(in) :: points(:, :)
+        !> Steps of the parameter [mm], shape (n - 1)
+        real(wp), intent(in) :: step(:)
+        type(flank_curve_type) :: curve
+
+        integer :: n, k
+        real(wp), allocatable :: slope(:, :), bend(:, :)
+
+        n = size(points, 2)
+        allocate (slope(2, n - 1))
         allocate (curve%breaks(0:n - 1), curve%coefficients(0:3, 2, n - 1))
         allocate (curve%corners(0:n - 1), source=.false.)
         curve%breaks(0) = 0.0_wp
         do k = 1, n - 1
-            step(k) = norm2(points(:, k + 1) - points(:, k))
             slope(:, k) = (points(:, k + 1) - points(:, k))/step(k)
             curve%breaks(k) = curve%breaks(k - 1) + step(k)
         end do
@@ -40,7 +81,7 @@ contains
             curve%coefficients(2, :, k) = 0.5_wp*bend(:, k)
             curve%coefficients(3, :, k) = (bend(:, k + 1) - bend(:, k))/(6.0_wp*step(k))
         end do
-    end function curve_through_points
+    end function spline
 
     !> Return the second derivatives of the spline at its points.
     pure function second_derivatives(step, slope) result(bend)

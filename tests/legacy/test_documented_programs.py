@@ -20,6 +20,7 @@ from flankload.elasticity.compliance import BodyCompliance, Expansion, FlankMode
 from flankload.pairing.gear_mesh import GearMesh
 from flankload.pairing.slices import plane_slice
 from flankload.scene.discretization import Grid
+from tests.support import packed_points
 from tests.support.nodal_position import NodalPosition
 from tests.support.nodal_sweep import NodalSweep
 from tests.support.pressed_cylinders import arc, cylinders, one_site
@@ -140,6 +141,11 @@ def rollers(text: str) -> None:
     expect_numbers(numbers_in(text), np.array(expected))
 
 
+def points(text: str) -> None:
+    turned = packed_points.rotation(packed_points.by_points(41), friction=0.1)
+    expect_numbers(numbers_in(text), np.array([0.0, turned]))
+
+
 def coupling(text: str) -> None:
     """The program of the tutorial, whose page shows what it prints."""
     assert f"```\n{text}```\n" in TUTORIAL
@@ -159,6 +165,7 @@ PROGRAMS: dict[str, Callable[[str], None]] = {
     "coupl.f": coupling,
     "pitch.f": pitch,
     "rollers.f": rollers,
+    "points.f": points,
 }
 
 
