@@ -145,6 +145,8 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
     yield "mesh load factor, largest", "K_γ", "", _entry("mesh_load_factor_max", ".4f")
     yield "largest force on a pin", "", "N", _entry("pin_force_max_N", ".4g")
     yield "displacement of the sun, largest", "", "µm", _entry("sun_orbit_max_um", ".2f")
+    rim = _entry("ring_deflection_max_um", ".2f", positive=True)
+    yield "deflection of the rim of the ring, largest", "", "µm", rim
     yield "torque on the ring, mean", "", "N m", _entry("ring_torque_mean_Nm", ".5g")
     yield "torque on the carrier, mean", "", "N m", _entry("carrier_torque_mean_Nm", ".5g")
     for kind in ("tangent", "secant"):
