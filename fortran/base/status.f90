@@ -86,8 +86,7 @@ module flankload_status
         & 'slices require small forces, flanks with two ends; if they conform, no friction'), &
 
         & status_type(code_one_mesh_only, &
-        & 'several meshes or motions exclude friction, finite forces, conforming slices, mixed '// &
-        & 'models')]
+        & 'several meshes exclude friction, finite forces, conforming slices, mixed models')]
 
 contains
 
