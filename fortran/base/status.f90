@@ -84,7 +84,6 @@ module flankload_status
         & 'flanks are nearest to each other at excluded ends'), &
         & status_type(code_not_in_slices, &
         & 'slices require small forces, flanks with two ends; if they conform, no friction'), &
-
         & status_type(code_one_mesh_only, &
         & 'several meshes exclude friction, finite forces, conforming slices, mixed models')]
 
