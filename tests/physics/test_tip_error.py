@@ -153,6 +153,7 @@ def test_peak_of_a_pair_that_has_just_begun_to_carry_may_be_a_multiple() -> None
         )
 
     fewer = sweep(np.array([[1.0 - 2e-4, 2e-4]]))
-    doubt = np.asarray(peak_of_modes(sweep(shares), sweep(shares), fewer).doubt)
+    in_shares = RemainingError(0.4e-4, 2.3e-4)
+    doubt = np.asarray(peak_of_modes(sweep(shares), sweep(shares), fewer, in_shares).doubt)
     assert doubt[0, 1] > 0.4 * np.sqrt(2e-4)
-    assert doubt[0, 0] == pytest.approx(3e-4, rel=1e-3)
+    assert doubt[0, 0] == pytest.approx(3 * 2.7e-4, rel=1e-3)

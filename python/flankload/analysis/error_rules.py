@@ -62,8 +62,8 @@ class Rule:
 
 #: Second order: with half as many cells, the remaining error is a third of the change.
 STRIPS = Rule(1 / 3, 2 / 3, 2 / 3, 1 / 3)
-#: Without the two highest modes, if contacts cover more than this part of a flank: at both ends the
-#: terms hardly decrease.
+#: Without the two highest modes, if contacts cover more than this part of a flank or a rounding
+#: carries load: at the ends the terms hardly decrease.
 COVERED = 0.5
 MODES = Rule(0.4, 2.3, 1.0, 2.3)
 #: Error of peak pressures, relative to the largest change of the load share. The change of the

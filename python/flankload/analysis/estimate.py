@@ -261,13 +261,18 @@ def _uncertain_pressure(part: Sweep, compliances: tuple[BodyCompliance, ...]) ->
         slices = part.slices
         ends = slices is not None and not on_corner(slices.corner_off_ends).any()
         return {"peak_pressure": ON_ENDS if ends else ON_CORNERS}
+    return {"peak_pressure": ON_TIPS} if _on_tip(part, compliances) else {}
+
+
+def _on_tip(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
+    """Whether a rounding or a chamfer carries load."""
     pairs = part.pairs
     loaded = pairs.column("force") > 0
-    on_tip = any(
-        modes.tip is not None and (pairs.column(f"s_{z + 1}")[loaded] > modes.range_mm[1]).any()
+    return any(
+        modes.tip is not None
+        and bool((pairs.column(f"s_{z + 1}")[loaded] > modes.range_mm[1]).any())
         for z, modes in enumerate(compliance.modes for compliance in compliances)
     )
-    return {"peak_pressure": ON_TIPS} if on_tip else {}
 
 
 def _of_cells(part: Sweep, coarse: Sweep, weights: Floats) -> dict[str, dict[str, RemainingError]]:
@@ -289,7 +294,7 @@ def _of_compliances(
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
-    series = not _covers(part, compliances)
+    series = not _converges_slowly(part, compliances)
     of_modes = SERIES if series or coarse.slices is not None else MODES
     rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
     errors = {
@@ -311,10 +316,12 @@ def _of_compliances(
     return errors
 
 
-def _covers(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
-    """Whether the cells of a contact in the plane cover a large part of the shorter flank."""
+def _converges_slowly(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
+    """Whether a contact covers a large part of the shorter flank or, in the plane, is on a tip."""
     if part.slices is not None:
         return part.slices.conforming
+    if _on_tip(part, compliances):
+        return True
     pairs = part.pairs
     loaded = pairs.column("force") > 0
     sites = pairs.sites[loaded] + (1 + pairs.sites.max(initial=0)) * pairs.position[loaded]

@@ -51,7 +51,7 @@ from tests.support.small_job import SCENE
 from tests.support.tolerances import ROUND_OFF
 
 #: That the default of `small` misses: its dominant sources are modes and named positions.
-TIGHT = 0.004
+TIGHT = 0.003
 
 
 def parameters_of(scene: fl.Scene) -> Parameters:
