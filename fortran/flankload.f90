@@ -54,6 +54,8 @@ module flankload
     public :: flankload_sweep_continued, flankload_pack_mesh, flankload_sweep_mesh
     public :: flankload_sweep_meshes, flankload_read_record
     public :: flankload_pack_points
+    public :: flankload_front_stiffness, flankload_front_extend
+    public :: flankload_front_eliminate, flankload_front_solve
     public :: fl_general, fl_symmetric, fl_definite, fl_definite_part
     public :: fl_auto, fl_single, fl_paper, fl_block
     public :: fl_load_path, fl_pivoted, fl_cascade, fl_primal

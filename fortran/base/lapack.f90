@@ -10,7 +10,7 @@ module flankload_lapack
     public :: potrf, getrf, permute_rows
     public :: solve_cholesky, solve_lu, solve_triangle, solve_lower, continue_lower
     public :: border_cholesky, border_lu
-    public :: add_block, add_product, set_product
+    public :: add_block, add_product, set_product, solve_right, subtract_square
 
     interface
         pure subroutine dpotrf(uplo, n, a, lda, info)
@@ -193,6 +193,29 @@ contains
 
         call dtrsv('L', transposed, 'N', n, factor, leading(factor), x, 1)
     end subroutine solve_lower
+
+    !> Compute X := X L⁻ᵀ with the factor L.
+    pure subroutine solve_right(n, factor, x)
+        !> Order of the factor
+        integer, intent(in) :: n
+        !> Array with L, shape (>= n, >= n)
+        real(wp), contiguous, intent(in) :: factor(:, :)
+        !> Rows, shape (any, n)
+        real(wp), contiguous, intent(inout) :: x(:, :)
+
+        call dtrsm('R', 'L', 'T', 'N', size(x, 1), n, 1.0_wp, factor, leading(factor), x, &
+            & leading(x))
+    end subroutine solve_right
+
+    !> Compute C := C - A Aᵀ in the lower triangle.
+    pure subroutine subtract_square(a, c)
+        !> A, shape (n, any)
+        real(wp), contiguous, intent(in) :: a(:, :)
+        !> C, shape (n, n)
+        real(wp), contiguous, intent(inout) :: c(:, :)
+
+        call dsyrk('L', 'N', size(a, 1), size(a, 2), -1.0_wp, a, leading(a), 1.0_wp, c, leading(c))
+    end subroutine subtract_square
 
     !> Solve L X = B for the rows of X that are not known yet.
     pure subroutine continue_lower(known, n, factor, x)

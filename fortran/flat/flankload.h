@@ -78,6 +78,28 @@ void flankload_integer_vector_(const int *n, const int *vector, int *doubled, in
    -100 - i: which argument the last call of this thread refused, what it expected and found. */
 void flankload_status_text_c(int code, int size, char *text);
 
+/* Elimination of the unknowns of a finite-element mesh, front by front: stiffness of pairs of nodes. */
+void flankload_front_stiffness_(const int *n_own, const int *n_rest, const int *n_unknowns,
+                                const int *n_components, const int *n_functions,
+                                const int *n_terms, const int *n_blocks, const int *n_kinds,
+                                const int *n_pairs, const int *unknowns, const int *rows,
+                                const int *columns, const int *sizes, const int *pairs,
+                                const int *kinds, const double *blocks, const double *terms,
+                                double *pivot, double *below, int *info);
+
+/* Remainder of an earlier front. */
+void flankload_front_extend_(const int *n_part, const int *n_own, const int *n_rest,
+                             const int *place, const double *part, double *pivot, double *below,
+                             double *remainder, int *info);
+
+/* Elimination of a front. */
+void flankload_front_eliminate_(const int *n_own, const int *n_rest, double *pivot, double *below,
+                                double *remainder, int *info);
+
+/* Solutions with the factor of a front. */
+void flankload_front_solve_(const int *n_own, const int *n_columns, const int *transposed,
+                            const double *factor, double *x, int *info);
+
 /* Pairs, gap angles, levers, influence coefficients of one position from points, compliances. */
 void flankload_position_(const int *n_flanks, const int *n_points_1, const int *n_points_2,
                          const int *n_circles, const int *max_pairs, const int *turn,

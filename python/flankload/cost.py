@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: All counters, each with the unit that it counts.
 COUNTERS = {
     "fe_factorisations": "factorisation of the stiffness of a body",
-    "fe_solutions": "solution with such a factor, for any purpose",
+    "fe_solutions": "column of loads or readings, for any purpose",
     "fe_unknowns": "unknown of the elements of a body",
     "unit_loads_normal": "load case of pressure on a flank",
     "unit_loads_tangential": "load case along a flank",
@@ -30,7 +30,6 @@ COUNTERS = {
     "coast_readings": "solution for a mode of displacement of a coast flank",
     "corner_readings": "solution for the displacement of a sharp tip along its flank",
     "bore_reactions": "solution for a reaction on a bore whose mean motion is held",
-    "cut_columns": "solution for an unknown of the cuts of a sector",
     "stress_recoveries": "solution for a place of stress in a root fillet",
     "states": "position under a torque",
     "slices": "slice of the face width of a position under a torque",

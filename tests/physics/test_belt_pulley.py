@@ -11,7 +11,7 @@ from scipy.sparse import block_array, block_diag, csc_array, hstack
 from scipy.sparse.linalg import spsolve
 
 from flankload.bodies.body import Material
-from flankload.elasticity.finite_elements import degrees_of, stiffness
+from flankload.elasticity.finite_elements import degrees_of
 from flankload.mechanisms.belt.belt import ElasticPulley, Round, Strip, Trapezoid
 from flankload.mechanisms.belt.belt_mesh import mesh_strip
 from flankload.mechanisms.belt.columns import flank_columns, land_columns
@@ -42,6 +42,7 @@ from tests.support.belts import (
     shares,
     solved_springs,
 )
+from tests.support.plane_stiffness import of_bars, plane_stiffness
 from tests.support.tolerances import SOLVER
 
 PLASTIC, STEEL = Material(3000.0, 0.35), Material(206e3, 0.3)
@@ -129,7 +130,7 @@ def whole_pulley(pulley: ElasticPulley, elements: int) -> tuple[np.ndarray, csc_
     )
     number = number.reshape(pulley.teeth, -1)
     cells = np.concatenate([own[sector.cells[0][1]] for own in number])
-    matrix = stiffness(places[first], (("quad9", cells),), pulley.material, pulley.plane)
+    matrix = plane_stiffness(places[first], (("quad9", cells),), pulley.material, pulley.plane)
     return number, matrix, np.unique(number[:, sector.fixed_nodes])
 
 
@@ -218,11 +219,13 @@ def monolith(
     pulley, forces = matrix[free][:, free], forces[free]
     lands = land_columns(mesh)
     frames = polar(mesh.turns_rad)
-    basis = (frames @ lands.basis).tocsc()
-    solid = stiffness(mesh.nodes, mesh.cells, strip.material, "strain")
-    belt = basis.T @ (solid + cord_stiffness(strip, mesh)) @ basis
+    moves = np.eye(frames.shape[0])
+    moves[lands.degrees] = lands.moved
+    basis = (frames @ csc_array(moves)).tocsc()
+    solid = plane_stiffness(mesh.nodes, mesh.cells, strip.material, "strain")
+    belt = basis.T @ (solid + of_bars(*cord_stiffness(strip, mesh), len(mesh.nodes))) @ basis
     flanks, columns = flank_columns(strip, mesh)
-    columns, lever = (basis.T @ columns).toarray()[:, active], flanks.levers_mm[active]
+    columns, lever = (basis.T @ columns)[:, active], flanks.levers_mm[active]
     n, h, k = flanks.tooth.size, lands.number.size, active.size
     kept = np.setdiff1d(np.arange(belt.shape[0]), 2 * mesh.tight + 1)
     pull = np.zeros(belt.shape[0])
@@ -239,7 +242,7 @@ def monolith(
     # lands push the belt outwards by N, and along the turn
     pushes, turned = -tie.T, np.zeros(ways.size)
     if friction:
-        along = np.vstack([lands.forces.toarray()[kept], forces[:, n + h :]])
+        along = np.vstack([lands.forces[kept], forces[:, n + h :]])
         pushes = pushes - friction * csc_array(along)
         turned[:] = friction * strip.land_radius_mm
     # unknowns: belt, pulley, F, N, rotation

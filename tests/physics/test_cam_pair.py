@@ -8,11 +8,12 @@ import pytest
 import flankload as fl
 from flankload.bodies import WholeMesh
 from flankload.elasticity.compliance import JobOptions, flank_compliance
-from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
+from flankload.elasticity.finite_elements import degrees_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.cam_motion import CamContacts
 from tests.support.cam_scenes import FLAT_FOLLOWER, TORQUE, WIDTH, cam_scene, lift_and_dwell, waves
+from tests.support.plane_stiffness import factored, plane_stiffness
 from tests.support.solving import solve
 
 #: Steel in plane strain.
@@ -158,7 +159,7 @@ def recession_work(pair: BodyPair, z: int, table, cell: np.ndarray) -> float:
     on = table.force_N > 0
     s = (table.arc_length_1_mm, table.arc_length_2_mm)[z][on]
     loads = pressed(mesh.flanks[0], s, cell[on], table.force_N[on])
-    matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
+    matrix = plane_stiffness(mesh.nodes, mesh.cells, body.material, "strain")
     free = np.setdiff1d(np.arange(matrix.shape[0]), degrees_of(mesh.fixed_nodes))
     moved = factored(matrix[free][:, free].tocsc())(loads[free, None])[:, 0]
     return float(loads[free] @ moved) / WIDTH

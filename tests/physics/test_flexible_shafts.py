@@ -10,9 +10,9 @@ import pytest
 from numpy.polynomial.legendre import legvander
 
 import flankload as fl
+from flankload.elasticity.axial_basis import mode_norms_z
 from flankload.elasticity.near_field import mode_norms
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
-from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.gear_scenes import resized

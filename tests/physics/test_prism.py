@@ -12,6 +12,9 @@ from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
+from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
+from flankload.elasticity.finite_elements import section_stiffness
+from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.near_field import (
     consistent_loads,
     jump_strength,
@@ -20,11 +23,8 @@ from flankload.elasticity.near_field import (
     mode_values,
 )
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
-from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
-from flankload.elasticity.prism.condensation import condense_prism
 from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
 from flankload.elasticity.prism.flank_surface import FlankSurface
-from flankload.elasticity.prism.section_stiffness import section_stiffness
 from tests.support.plain_prism import product_loads
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear
@@ -127,7 +127,7 @@ def _tooth(
     axial, mesh = AxialBasis(prism.range_mm, prism.degree), body.mesh
     loads = product_loads(in_plane, along(axial)).reshape(len(mesh.nodes), 3 * axial.count, -1)
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
-    return condense_prism(
+    return condense_nodes(
         section, axial, mesh, loads, cut_degree=0, twisted=prism.twist != 0
     ).local[0]
 

@@ -11,9 +11,9 @@ import pytest
 import flankload as fl
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
+from flankload.elasticity.axial_basis import mode_norms_z
 from flankload.elasticity.near_field import mode_norms
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
-from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
 from tests.support.gear_scenes import example
 from tests.support.ring_bodies import gear

@@ -11,8 +11,8 @@ import flankload as fl
 from flankload.base.rotation import turned
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
+from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
-from flankload.elasticity.prism.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.mechanisms.flank_pair.loaded_bodies import SolidBody, field_bodies
 from tests.support.ring_bodies import gear

@@ -30,7 +30,7 @@ from flankload.elasticity.near_field import (
     projected_sign,
     to_coefficients,
 )
-from flankload.elasticity.sector_closure import tooth_response
+from flankload.elasticity.sector_closure import condense
 from flankload.scene import Gear, Ring
 from tests.support.cells_near_field import strip_kernel
 
@@ -84,7 +84,7 @@ def plainly(body: Body, places: np.ndarray) -> np.ndarray:
         edges=loaded_edges(mesh),
     )
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
-    return tooth_response(matrix, loads, mesh)[0][0]
+    return condense(matrix, loads, mesh, held=True)[0].local[0]
 
 
 def by_modes(body: Body, places: np.ndarray) -> np.ndarray:
@@ -147,7 +147,7 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
     )
     loads = np.cos(turns) * normal + np.sin(turns) * along
     matrix = stiffness(mesh.nodes, mesh.cells, fine.material, "strain")
-    exact = np.diag(tooth_response(matrix, loads, mesh)[0][0])
+    exact = np.diag(condense(matrix, loads, mesh, held=True)[0].local[0])
     n = found.smooth.shape[1]
     on_flank, on_chamfer = (
         mode_values(np.array([s]), found.modes.range_mm, n, tip=tip)[0]

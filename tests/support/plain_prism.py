@@ -7,9 +7,9 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
 from flankload.bodies.body import SectorMesh
+from flankload.elasticity.axial_basis import AxialBasis
+from flankload.elasticity.finite_elements import SectionStiffness, section_stiffness
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.section_stiffness import SectionStiffness, section_stiffness
 from tests.support.plane_sectors import STEEL
 
 

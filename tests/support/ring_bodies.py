@@ -7,10 +7,11 @@ from scipy.sparse.linalg import splu
 
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity.finite_elements import degrees_of, stiffness
+from flankload.elasticity.finite_elements import degrees_of
 from flankload.elasticity.near_field import mode_loads
 from flankload.scene import Gear, Ring
 from tests.support.plane_sectors import STEEL
+from tests.support.plane_stiffness import plane_stiffness
 
 RING = {
     "teeth": 60,
@@ -57,7 +58,7 @@ def full_ring(
     nodes[number] = every
     ((kind, data),) = mesh.cells
     cells = number[np.vstack([data + tooth * count for tooth in range(mesh.teeth)])]
-    matrix = stiffness(nodes, ((kind, cells),), STEEL, "strain")
+    matrix = plane_stiffness(nodes, ((kind, cells),), STEEL, "strain")
     own = mode_loads(mesh, span, n_modes)
     if more is not None:
         own = np.hstack([own, more])

@@ -20,8 +20,8 @@ from scipy.sparse import coo_array, csr_matrix
 import flankload as fl
 from flankload.bodies import Body
 from flankload.bodies.body import SectorMesh
-from flankload.elasticity.finite_elements import block_basis
 from flankload.elasticity.near_field import mode_loads
+from flankload.elasticity.shape_functions import block_basis
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 E, NU = 206000.0, 0.3

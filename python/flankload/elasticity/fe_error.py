@@ -23,9 +23,9 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from flankload.elasticity.finite_elements import lame_parameters
+from flankload.elasticity.shape_functions import places_of_nodes, quadrature, shape_functions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -120,8 +120,8 @@ def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
             numbers = connectivity[block]
             own, _ = _strains(nodes[numbers], displaced[numbers], element.best)
             best[block] = own.transpose(1, 2, 0, 3)
-        outward = _to_nodes(connectivity, element.outward, len(nodes))
-        total += outward @ best.reshape(-1, 3 * p)
+        outward = element.outward @ best.reshape(len(connectivity), -1, 3 * p)
+        _add_at_nodes(total, connectivity, outward)
         count += np.bincount(connectivity.ravel(), minlength=len(nodes))
     smoothed = total
     smoothed /= np.maximum(count, 1.0)[:, None]
@@ -135,15 +135,13 @@ def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:
         yield slice(start, start + size)
 
 
-def _to_nodes(connectivity: Numbers, outward: Floats, n_nodes: int) -> csr_array:
-    """Matrix of the sums at nodes (N) of extrapolations from the recovery points (E b)."""
-    n_elements, n = connectivity.shape
-    n_best = outward.shape[1]
-    rows = np.repeat(connectivity.ravel(), n_best)
-    number = np.arange(n_elements * n_best).reshape(n_elements, 1, n_best)
-    columns = np.broadcast_to(number, (n_elements, n, n_best)).ravel()
-    values = np.tile(outward.ravel(), n_elements)
-    return csr_array((values, (rows, columns)), shape=(n_nodes, n_elements * n_best))
+def _add_at_nodes(total: Floats, connectivity: Numbers, values: Floats) -> None:
+    """Add values (E, n, k) at the nodes of elements to those of all nodes (N, k)."""
+    order = np.argsort(connectivity.ravel(), kind="stable")
+    nodes = connectivity.ravel()[order]
+    first = np.flatnonzero(np.append(True, nodes[1:] != nodes[:-1]))
+    of_nodes = values.reshape(-1, values.shape[2])[order]
+    total[nodes[first]] += np.add.reduceat(of_nodes, first, axis=0)
 
 
 def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats, Floats]:
@@ -166,16 +164,11 @@ def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats,
 
 @cache
 def _element(kind: str) -> _Element:
-    """Element of scikit-fem with quadratures exact to degree 4, recovery points to degree 2."""
-    import skfem
-    from skfem.quadrature import get_quadrature
-
-    element = skfem.ElementQuad2() if kind == "quad9" else skfem.ElementTriP2()
-    (best, _), (points, weights) = (get_quadrature(element.refdom, degree) for degree in (2, 4))
+    """Element with quadratures exact to degree 4, recovery points to degree 2."""
+    (best, _), (points, weights) = (quadrature(kind, degree) for degree in (2, 4))
 
     def functions(at: Floats) -> tuple[Floats, Floats]:
-        each = [element.lbasis(at, k) for k in range(len(element.doflocs))]
-        values, slopes = (np.stack(part) for part in zip(*each, strict=True))
+        values, slopes = shape_functions(kind, at)
         return values.T, slopes.transpose(2, 1, 0)
 
     def recovered(at: Floats) -> Floats:
@@ -183,7 +176,7 @@ def _element(kind: str) -> _Element:
         x, y = at
         return np.column_stack([np.ones_like(x), x, y, *([x * y] if kind == "quad9" else [])])
 
-    outward = recovered(element.doflocs.T) @ np.linalg.inv(recovered(best))
+    outward = recovered(places_of_nodes(kind).T) @ np.linalg.inv(recovered(best))
     part = 1.0 if kind == "quad9" else TRIANGLES
     shapes, slopes = functions(points)
     return _Element(functions(best)[1], outward, part, slopes, shapes, weights)

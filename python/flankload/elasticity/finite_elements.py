@@ -1,34 +1,81 @@
-"""Plane finite elements: stiffness matrix, loads and factorisation, per mm of width.
+"""Stiffness of plane sections, of plane bodies and of prisms, and loads on their elements.
 
-Shape functions and quadrature are those of scikit-fem; degrees of freedom are 2*node + component.
+A plane body is one with constant displacements along its axis, per mm of width. In a prism, in the
+frame that rotates with the section, the displacement v has the axial derivative
+D v = dv/dz + kappa L v, L v = y dv/dx - x dv/dy + (-v_y, v_x, 0). The strain
+(xx, yy, zz, 2xy, 2xz, 2yz) is P v + Q dv/dz, and with functions phi_a of z
+
+    K = K_PP x M + K_PQ x D1 + K_PQ' x D1' + K_QQ x S1,  K_PP = integral of P'CP dA, ...
+
+(x: Kronecker product; M, D1, S1: `axial_basis`). The Jacobian of the twist is 1. In the plane there
+is K_PP alone, of the strains xx, yy and 2xy.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
-from scipy.sparse.linalg import SuperLU, splu
 
-from flankload.cost import Account
+from flankload.elasticity.shape_functions import block_basis
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Sequence
 
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
 
-#: Degree of the quadrature; degree 6 changes the compliance of a gear by 1e-9.
-INTEGRATION_DEGREE = {"quad9": 4, "triangle6": 4}
+#: Degree of the quadrature in the plane, for products of gradients; degree 6 changes the compliance
+#: of a gear by 1e-9.
+PLANE_DEGREE = 4
+#: The same of prisms, whose gradients are multiplied by x and y with twist.
+PRISM_DEGREE = 6
 #: The same for loads that are linear in the coordinates.
 LOAD_DEGREE = 6
-#: Number of right-hand sides solved at once; all at once take twice the time (cache).
-BLOCK = 16
-#: Number of kept unknowns above which a second factorisation is cheaper than a solution for each.
-MANY_KEPT = 150
+#: Strains and products of operators (P is 0, Q is 1) in the plane and in a prism.
+PLANE_STRAINS, PLANE_TERMS = (0, 1, 3), ((0, 0),)
+ALL_STRAINS, ALL_TERMS = tuple(range(6)), ((0, 0), (0, 1), (1, 0), (1, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class SectionStiffness:
+    """Blocks of the section matrices for pairs of nodes that share an element.
+
+    Attributes
+    ----------
+    rows, columns : (n,) arrays
+        Nodes i and j, each pair once in a region, by ascending region, i, j.
+    blocks : (n, t, c, c) array
+        For c components: K_PP, and in a prism K_PQ, K_QP = K_PQ' and K_QQ; N/mm per mm, N/mm, N/mm,
+        N.
+    nodes : int
+        Number of nodes.
+    regions : (n,) array
+        Number of the region of each block.
+    """
+
+    rows: Numbers
+    columns: Numbers
+    blocks: Floats
+    nodes: int
+    regions: Numbers
+
+    @property
+    def components(self) -> int:
+        """Components of a displacement."""
+        return self.blocks.shape[-1]
+
+    @property
+    def bytes(self) -> int:
+        """Size of the arrays."""
+        return self.rows.nbytes + self.columns.nbytes + self.blocks.nbytes + self.regions.nbytes
+
+    def times(self, moved: Floats) -> Floats:
+        """Forces (2N,) of displacements (N, 2) in the plane, N per mm of width."""
+        found = np.zeros_like(moved)
+        np.add.at(found, self.rows, np.einsum("ncd,nd->nc", self.blocks[:, 0], moved[self.columns]))
+        return found.ravel()
 
 
 def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
@@ -44,51 +91,99 @@ def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
     return lame_lambda, lame_mu
 
 
-def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> csc_array:
-    """Stiffness (2N, 2N) of a mesh of quadratic elements, or of linear ones, N/mm per mm of width.
+def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> SectionStiffness:
+    """Stiffness of a plane mesh of quadratic elements, N/mm per mm of width.
 
     Parameters
     ----------
     nodes : (N, 2) array
-        mm; degree of freedom 2*node + component.
+        mm.
     cells : ((kind, (E, k) array), ...)
-        "quad9" or "triangle6" in meshio's node order;
-        blocks of both kinds may share nodes.
+        "quad9" or "triangle6" in meshio's node order; blocks of both kinds may share nodes.
     plane : {"strain", "stress"}
     """
-    first, *others = (
-        _block_stiffness(nodes, kind, connectivity, material, plane) for kind, connectivity in cells
-    )
-    total = sum(others, start=first)
-    total.eliminate_zeros()
-    return total
+    moduli = _moduli(material, plane)[np.ix_(PLANE_STRAINS, PLANE_STRAINS)]
+    blocks = [_element_blocks(nodes, kind, own, moduli, 0.0, PLANE_TERMS) for kind, own in cells]
+    return _summed(len(nodes), cells, blocks, [0] * len(cells))
 
 
-def _block_stiffness(
-    nodes: Floats, kind: str, connectivity: Numbers, material: Material, plane: str
-) -> csc_array:
-    basis = block_basis(nodes, kind, connectivity, INTEGRATION_DEGREE[kind])
-    shapes, _, elements, points = basis.slopes.shape
-    each = basis.slopes.transpose(2, 0, 1, 3).reshape(elements, 2 * shapes, points)
-    # [e, a, i, b, j]: integral of dN_a/dx_i dN_b/dx_j over element e
-    products = ((each * basis.dx[:, None]) @ each.transpose(0, 2, 1)).reshape(
-        elements, shapes, 2, shapes, 2
-    )
+def section_stiffness(
+    nodes: Floats, cells: Cells, material: Material, twist: float, regions: Sequence[int] = ()
+) -> SectionStiffness:
+    """Section matrices of a prism with the axis at the origin.
+
+    Nodes and cells as of `stiffness`; `twist`: kappa, rad/mm, counter-clockwise with increasing z;
+    `regions`: number of the region of each entry of `cells`, by default one.
+    """
+    moduli = _moduli(material, "strain")
+    blocks = [_element_blocks(nodes, kind, own, moduli, twist, ALL_TERMS) for kind, own in cells]
+    return _summed(len(nodes), cells, blocks, regions or [0] * len(cells))
+
+
+def _summed(
+    count: int, cells: Cells, blocks: Sequence[Floats], regions: Sequence[int]
+) -> SectionStiffness:
+    """Stiffness of `count` nodes from the blocks of elements."""
+    places = []
+    for number, (_, connectivity) in zip(regions, cells, strict=True):
+        k = connectivity.shape[1]
+        row = np.repeat(connectivity, k, axis=1).ravel()
+        column = np.tile(connectivity, k).ravel()
+        places.append((number * count + row) * count + column)
+    place, part = np.concatenate(places), np.concatenate(blocks)
+    order = np.argsort(place, kind="stable")
+    place = place[order]
+    first = np.flatnonzero(np.append(True, place[1:] != place[:-1]))
+    total = np.add.reduceat(part[order], first, axis=0)
+    region_and_row, columns = np.divmod(place[first], count)
+    region, rows = np.divmod(region_and_row, count)
+    return SectionStiffness(rows, columns, total, count, region)
+
+
+def _element_blocks(
+    nodes: Floats,
+    kind: str,
+    connectivity: Numbers,
+    moduli: Floats,
+    twist: float,
+    terms: Sequence[tuple[int, int]],
+) -> Floats:
+    """Blocks (E k k, t, c, c) of all pairs of nodes of each element."""
+    plane = terms == PLANE_TERMS
+    basis = block_basis(nodes, kind, connectivity, PLANE_DEGREE if plane else PRISM_DEGREE)
+    dx, dy = basis.slopes[:, 0], basis.slopes[:, 1]
+    k, elements, points = dx.shape
+    c, strains = (2, PLANE_STRAINS) if plane else (3, ALL_STRAINS)
+    xy = strains.index(3)
+    own = np.zeros((terms[-1][0] + 1, len(strains), k, c, elements, points))
+    p = own[0]
+    p[0, :, 0] = p[xy, :, 1] = dx
+    p[1, :, 1] = p[xy, :, 0] = dy
+    if not plane:
+        q, (x, y) = own[1], basis.places
+        value = np.broadcast_to(basis.values[:, None], dx.shape)
+        turned = twist * (y * dx - x * dy)
+        p[4, :, 2], p[5, :, 2] = dx, dy
+        p[2, :, 2] = p[4, :, 0] = p[5, :, 1] = turned
+        p[4, :, 1], p[5, :, 0] = -twist * value, twist * value
+        q[2, :, 2] = q[4, :, 0] = q[5, :, 1] = value
+    strain = np.ascontiguousarray(own.transpose(0, 4, 5, 1, 2, 3))
+    strain = strain.reshape(len(own), elements, points, len(strains), k * c)
+    stress = (moduli @ strain * basis.dx[:, :, None, None]).reshape(len(own), elements, -1, k * c)
+    strain = strain.reshape(stress.shape)
+    blocks = np.empty((elements, k, k, len(terms), c, c))
+    for term, (one, two) in enumerate(terms):
+        product = strain[one].transpose(0, 2, 1) @ stress[two]
+        blocks[:, :, :, term] = product.reshape(elements, k, c, k, c).transpose(0, 1, 3, 2, 4)
+    return blocks.reshape(-1, len(terms), c, c)
+
+
+def _moduli(material: Material, plane: str) -> Floats:
+    """C for strains (xx, yy, zz, 2xy, 2xz, 2yz), MPa."""
     lame_lambda, lame_mu = lame_parameters(material, plane)
-    blocks = lame_lambda * products + lame_mu * products.transpose(0, 1, 4, 3, 2)
-    same = lame_mu * np.trace(products, axis1=2, axis2=4)
-    for component in range(2):
-        blocks[:, :, component, :, component] += same
-    degrees = degrees_of(connectivity.ravel()).reshape(elements, 2 * shapes)
-    rows = np.repeat(degrees, 2 * shapes, axis=1).ravel()
-    columns = np.tile(degrees, 2 * shapes).ravel()
-    return assembled(blocks.ravel(), rows, columns, (2 * len(nodes), 2 * len(nodes)))
-
-
-def assembled(values: Floats, rows: Numbers, columns: Numbers, shape: tuple[int, int]) -> csc_array:
-    """Sparse matrix of entries (n,) with the 32-bit indices of SuperLU; duplicates are summed."""
-    places = (rows.astype(np.int32), columns.astype(np.int32))
-    return coo_array((values, places), shape=shape).tocsc()
+    moduli = np.diag([2.0 * lame_mu] * 3 + [lame_mu] * 3)
+    moduli[:3, :3] += lame_lambda
+    return moduli
 
 
 def centrifugal_load(nodes: Floats, cells: Cells) -> Floats:
@@ -106,136 +201,6 @@ def centrifugal_load(nodes: Floats, cells: Cells) -> Floats:
     return loads.ravel()
 
 
-@dataclass(frozen=True, eq=False)
-class BlockBasis:
-    """Shape functions of a block of elements at its quadrature points.
-
-    Attributes
-    ----------
-    values : (k, g) array
-        Shape k, which belongs to node k of each element, at point g.
-    slopes : (k, 2, E, g) array
-        Its gradient in element e, 1/mm.
-    places : (2, E, g) array
-        The points, mm.
-    dx : (E, g) array
-        Weights of the points, mm².
-    """
-
-    values: Floats
-    slopes: Floats
-    places: Floats
-    dx: Floats
-
-
-def block_basis(nodes: Floats, kind: str, connectivity: Numbers, degree: int) -> BlockBasis:
-    """Isoparametric elements with a quadrature that is exact to a degree; kinds of `stiffness`."""
-    values, slopes, weights = _reference(kind, degree)
-    shape = (2, len(connectivity), len(weights))
-    places, jacobian = np.zeros(shape), np.zeros((2, *shape))  # dx_i/dX_j: [j, i]
-    for value, slope, node in zip(values, slopes, connectivity.T, strict=True):
-        place = nodes[node].T[:, :, None]
-        places += place * value
-        jacobian += place * slope[:, None, None]
-    (xx, yx), (xy, yy) = jacobian
-    area = xx * yy - xy * yx
-    inverse = np.array([[yy, -xy], [-yx, xx]]) / area
-    gradients = slopes[:, 0, None, None] * inverse[0] + slopes[:, 1, None, None] * inverse[1]
-    return BlockBasis(values, gradients, places, np.abs(area) * weights)
-
-
-@cache
-def _reference(kind: str, degree: int) -> tuple[Floats, Floats, Floats]:
-    """scikit-fem's shape functions (k, g) at its quadrature points, slopes (k, 2, g), weights (g,).
-
-    On its element of reference.
-    """
-    import skfem
-    from skfem.quadrature import get_quadrature
-
-    element = {
-        "quad9": skfem.ElementQuad2,
-        "triangle6": skfem.ElementTriP2,
-    }[kind]()
-    points, weights = get_quadrature(element.refdom, degree)
-    each = [element.lbasis(points, k) for k in range(len(element.doflocs))]
-    values, slopes = (np.stack(part) for part in zip(*each, strict=True))
-    return values, slopes, weights
-
-
 def degrees_of(nodes: Numbers) -> Numbers:
     """Degrees of freedom of nodes, x and y alternating."""
     return (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
-
-
-def factored(matrix: csc_array, account: Account | None = None) -> Callable[[Floats], Floats]:
-    """Factorise a symmetric positive definite matrix (n, n); the account counts the work.
-
-    Returns a function from right-hand sides (n, k) to solutions (n, k).
-    """
-    if account is None:
-        account = Account()
-    return _in_blocks(_factor(matrix, "MMD_AT_PLUS_A", account), account)
-
-
-def condensed(
-    matrix: csc_array, inner: Numbers, kept: Numbers, account: Account | None = None
-) -> tuple[Callable[[Floats], Floats], Floats]:
-    """Factorise the inner part of a symmetric positive definite matrix and condense it to the rest.
-
-    The Schur complement of many kept unknowns is the last block of a second factorisation, which is
-    cheaper than a solution for each (588 of 21044 unknowns: a sixth of the time). Unknowns that are
-    neither inner nor kept are fixed.
-
-    Returns
-    -------
-    solve : callable
-        Right-hand sides of the inner unknowns (i, k) -> solutions, with the kept ones at 0.
-    complement : (m, m) array
-        Schur complement of the kept unknowns.
-    """
-    if account is None:
-        account = Account()
-    factor = _factor(matrix[inner][:, inner].tocsc(), "MMD_AT_PLUS_A", account)
-    solve = _in_blocks(factor, account)
-    if kept.size > MANY_KEPT:
-        complement = _last_block(matrix, inner[np.argsort(factor.perm_c)], kept, account)
-        if complement is not None:
-            return solve, complement
-    coupling = matrix[inner][:, kept].toarray()
-    account.count(cut_columns=kept.size)
-    return solve, matrix[kept][:, kept].toarray() - coupling.T @ solve(coupling)
-
-
-def _factor(matrix: csc_array, order: str, account: Account) -> SuperLU:
-    factor = splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    account.count(fe_factorisations=1)
-    account.workspace_bytes += matrix.data.itemsize * factor.nnz  # the values of L and U
-    return factor
-
-
-def _in_blocks(factor: SuperLU, account: Account) -> Callable[[Floats], Floats]:
-    def solve(right: Floats) -> Floats:
-        account.count(fe_solutions=right.shape[1])
-        solved = np.empty_like(right)
-        for first in range(0, right.shape[1], BLOCK):
-            block = slice(first, first + BLOCK)
-            solved[:, block] = factor.solve(right[:, block])
-        return solved
-
-    return solve
-
-
-def _last_block(
-    matrix: csc_array, inner: Numbers, kept: Numbers, account: Account
-) -> Floats | None:
-    """L22 U22 of the factors with the kept unknowns last; None if pivoting changes the order."""
-    order = np.concatenate([inner, kept])
-    factor = _factor(matrix[order][:, order].tocsc(), "NATURAL", account)
-    place = factor.perm_c
-    first = inner.size
-    if (place[first:] < first).any() or (factor.perm_r != place).any():
-        return None
-    block = factor.L[first:, first:].toarray() @ factor.U[first:, first:].toarray()
-    own = place[first:] - first
-    return np.asarray(block[np.ix_(own, own)])

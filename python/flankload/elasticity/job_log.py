@@ -6,14 +6,12 @@ from dataclasses import dataclass, field
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flankload.cost import Account
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,14 +76,17 @@ class JobLog:
         tangential = columns // 2 if friction else 0
         self.account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)
 
-    def solution(self, free: Numbers, moved: Floats, unknowns: int) -> None:
-        """Record a solution (n, p) of the unknowns `free` (n,) under the unit loads of a flank."""
+    @property
+    def estimates(self) -> bool:
+        """Whether errors are estimated."""
+        return self._estimate is not None
+
+    def solution(self, moved: Floats) -> None:
+        """Record the displacements (2N, p) under the unit loads of a flank."""
         if self._estimate is None:
             return
         self.end_step("solution")
-        displacement = np.zeros((unknowns, moved.shape[1]))
-        displacement[free] = moved
-        self.errors.append(self._estimate(displacement))
+        self.errors.append(self._estimate(moved))
         self.end_step("estimate")
 
     def cost(self, asymmetry: float, degrees_of_freedom: int) -> JobCost:

@@ -14,18 +14,16 @@ import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
-from flankload.elasticity.condensed_sector import CondensedSector, MeanMotion
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import (
-    condensed,
-    degrees_of,
-    factored,
     lame_parameters,
     stiffness,
 )
+from flankload.elasticity.fronts.condensation import PLANE, condense_nodes
+from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.mean_motion import plane_reactions
 from flankload.elasticity.near_field import loaded_edges, mirrored_loads
-from flankload.elasticity.sector_closure import ring_displacements
+from flankload.elasticity.recovered_ring import RecoveredRing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -183,38 +181,22 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
     """Solver for the displacements of all nodes of a ring of equal sectors."""
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
-    z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
-    matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
-    cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
-    held = np.concatenate([cut, degrees_of(mesh.fixed_nodes)])
-    inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
-    inner, complement = condensed(matrix, inside, cut)
-    coupling = matrix[cut][:, inside]
-    reactions, mean = np.zeros((matrix.shape[0], 0)), None
+    pitch = 2 * np.pi / mesh.teeth
+    section = stiffness(mesh.nodes, mesh.cells, body.material, plane)
+    columns = np.zeros((2 * len(mesh.nodes), 0))
     if mesh.has_free_bore:
-        reactions = plane_reactions(mesh, body.material.young_modulus_MPa)
-        by_reactions = inner(reactions[inside])
-        mean = MeanMotion(
-            reactions[inside].T @ by_reactions, (), reactions[cut] - coupling @ by_reactions
-        )
-    sector = CondensedSector((), (), complement, mean=mean)
+        columns = plane_reactions(mesh, body.material.young_modulus_MPa)
+    ring = RecoveredRing.of(section, PLANE, mesh, columns.reshape(len(mesh.nodes), 2, -1))
 
     def solve(forces: Floats) -> Floats:
         whole = forces.reshape(-1, 2)
         # in the frames of the sectors; forces on cuts act on left cuts
         local = np.stack([turned(whole[row], -k * pitch) for k, row in enumerate(numbers)])
         local[:, mesh.right_nodes] = 0.0
-        right = local.reshape(z, -1).T  # (2N, z)
-        held = inner(right[inside])
-        moved = np.zeros_like(right)
-        moved[cut], factors = ring_displacements(
-            sector, z, right[cut] - coupling @ held, reactions[inside].T @ held
-        )
-        right += reactions @ factors
-        moved[inside] = inner(right[inside] - coupling.T @ moved[cut])
+        moved = ring.displacements(local.transpose(1, 2, 0))
         found = np.empty_like(whole)
         for k, row in enumerate(numbers):
-            found[row] = turned(moved[:, k].reshape(-1, 2), k * pitch)
+            found[row] = turned(moved[:, :, k], k * pitch)
         return found.ravel()
 
     return solve
@@ -222,13 +204,11 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
 
 def _whole_solver(body: Body, mesh: WholeMesh, plane: str) -> Callable[[Floats], Floats]:
     """Solver for the displacements of all nodes of a whole mesh."""
-    matrix = stiffness(mesh.nodes, mesh.cells, body.material, plane)
-    free = np.setdiff1d(np.arange(matrix.shape[0]), degrees_of(mesh.fixed_nodes))
-    inner = factored(matrix[free][:, free].tocsc())
+    section, recovery = stiffness(mesh.nodes, mesh.cells, body.material, plane), Recovery()
+    condense_nodes(section, PLANE, mesh, np.zeros((len(mesh.nodes), 2, 0)), recovery=recovery)
 
     def solve(forces: Floats) -> Floats:
-        moved = np.zeros_like(forces)
-        moved[free] = inner(forces[free][:, None])[:, 0]
-        return moved
+        kept, carried = recovery.reduced(forces.reshape(-1, 2, 1))
+        return recovery.displacements(kept, carried, len(mesh.nodes)).ravel()
 
     return solve

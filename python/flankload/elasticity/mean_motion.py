@@ -25,7 +25,7 @@ from flankload.elasticity.condensed_sector import IN_PLANE
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import SectorMesh
-    from flankload.elasticity.prism.axial_basis import AxialFunctions
+    from flankload.elasticity.axial_basis import AxialFunctions
 
 #: Gauss points along an edge, exact for straight ones with shape function and coordinate.
 EDGE_POINTS = 4

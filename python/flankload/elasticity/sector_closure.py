@@ -16,49 +16,52 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rotation import turned
+from flankload.bodies.body import SectorMesh
 from flankload.elasticity.condensed_sector import (
     AXIAL_MOTIONS,
     IN_PLANE,
     LATERAL_MOTIONS,
     CondensedSector,
-    MeanMotion,
     on_cuts,
     turned_cuts,
 )
-from flankload.elasticity.finite_elements import condensed, degrees_of, factored
+from flankload.elasticity.fronts.condensation import PLANE, condense_nodes
+from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from scipy.sparse import csc_array
+    from collections.abc import Mapping
 
     from flankload.base.arrays import Complexes, Floats, Numbers
-    from flankload.bodies.body import SectorMesh
+    from flankload.bodies.body import WholeMesh
+    from flankload.elasticity.finite_elements import SectionStiffness
 
 
 def condense(
-    matrix: csc_array,
+    stiffness: SectionStiffness,
     loads: Floats,
-    mesh: SectorMesh,
+    mesh: SectorMesh | WholeMesh,
     readings: Mapping[str, Floats] | None = None,
     log: JobLog | None = None,
     reactions: Floats | None = None,
+    *,
+    held: bool = False,
 ) -> tuple[CondensedSector, int]:
-    """Condense a sector to its loads and cuts.
+    """Condense a plane mesh to its loads and cuts.
 
     Parameters
     ----------
-    matrix : csc_array, (2N, 2N)
-        Stiffness of the sector.
+    stiffness : SectionStiffness
+        That of the mesh.
     loads : (2N, p) array
         Loads, which are also readings of the displacements.
     readings : mapping of str to (2N, q) array, optional
-        Further readings of the displacements, by the counter of their solutions (`cost.COUNTERS`).
-        Body loads are readings, too: by reciprocity (Betti), they read the displacements that they
-        cause.
+        Further readings of the displacements, by their counter (`cost.COUNTERS`). Body loads are
+        readings, too: by reciprocity (Betti), they read the displacements that they cause.
     reactions : (2N, 3) array, optional
         Those of a bore whose mean motion is held (`MeanMotion`).
+    held : bool
+        Whether the cuts are fixed.
 
     Returns
     -------
@@ -67,41 +70,30 @@ def condense(
     degrees_of_freedom : int
         Number of unknowns.
     """
-
     log = JobLog() if log is None else log
-    cut = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes]))
-    inside = np.setdiff1d(
-        np.arange(matrix.shape[0]), np.concatenate([cut, degrees_of(mesh.fixed_nodes)])
+    further, size, p = dict(readings or {}), len(mesh.nodes), loads.shape[1]
+    columns = loads
+    if reactions is not None:
+        log.account.count(bore_reactions=reactions.shape[1])
+        columns = np.hstack([loads, reactions])
+    log.account.count(fe_solutions=columns.shape[1])
+    recovery = Recovery() if log.estimates or further else None
+    by_node = columns.reshape(size, 2, -1)
+    sector = condense_nodes(
+        stiffness, PLANE, mesh, by_node, held=held, account=log.account, recovery=recovery
     )
-    solve, complement = condensed(matrix, inside, cut, log.account)
     log.end_step("factorisation")
-    kinds, solved = [loads], [solve(loads[inside])]
-    log.solution(inside, solved[0], matrix.shape[0])
-    further = dict(readings or {})
+    if recovery is not None:
+        moved = recovery.under_loads(size, 0, columns.shape[1])
+        log.solution(moved[..., :p].reshape(-1, p))
+        for name, part in further.items():
+            if not held:
+                log.account.count(fe_solutions=part.shape[1], **{name: part.shape[1]})
+            sector = recovery.read(sector, part.reshape(size, 2, -1), moved)
     if reactions is not None:
-        further["bore_reactions"] = reactions
-    for name, columns in further.items():
-        log.account.count(**{name: columns.shape[1]})
-        kinds.append(columns)
-        solved.append(solve(columns[inside]))
-    log.account.workspace_bytes += sum(part.nbytes for part in (*kinds, *solved))
-    coupling = matrix[cut][:, inside]
-    carried = [
-        columns[cut] - coupling @ moved for columns, moved in zip(kinds, solved, strict=True)
-    ]
-    mean = None
-    if reactions is not None:
-        by_reactions = kinds.pop()[inside].T @ np.hstack(solved)
-        own, local = by_reactions[:, -reactions.shape[1] :], solved.pop()
-        mean = MeanMotion(own, tuple(columns[inside].T @ local for columns in kinds), carried.pop())
-    sector = CondensedSector(
-        local=tuple(columns[inside].T @ solved[0] for columns in kinds),
-        carried=tuple(carried),
-        stiffness=complement,
-        mean=mean,
-    )
+        sector = sector.with_reactions(reactions.shape[1])
     log.end_step("solution")
-    return sector, inside.size + cut.size // 2
+    return sector, unknowns_of(mesh, held=held)
 
 
 class Harmonics:
@@ -232,37 +224,13 @@ def uniform_response(sector: CondensedSector, teeth: int) -> Floats:
     )
 
 
-def sector_unknowns(mesh: SectorMesh, *, held: bool = False) -> int:
-    """Number of unknowns of a sector with one of its cuts, or with both of them fixed."""
+def unknowns_of(mesh: SectorMesh | WholeMesh, *, held: bool = False) -> int:
+    """Unknowns of a plane mesh, of a sector with one of its cuts or, `held`, without both."""
+    if not isinstance(mesh, SectorMesh):
+        return 2 * (len(mesh.nodes) - len(mesh.fixed_nodes))
     fixed = np.concatenate([mesh.fixed_nodes, mesh.left_nodes, mesh.right_nodes])
     inside = len(mesh.nodes) - np.unique(fixed).size
     return 2 * (inside if held else inside + mesh.left_nodes.size)
-
-
-def tooth_response(
-    matrix: csc_array,
-    loads: Floats,
-    mesh: SectorMesh,
-    readings: Sequence[Floats] = (),
-    log: JobLog | None = None,
-) -> tuple[Floats, int]:
-    """Response (z, r, p) of a single tooth with fixed cuts, and the number of unknowns.
-
-    Arguments as of `condense`; `readings`: columns (2N, q) by kind, without solutions. The response
-    is 0 for all other teeth.
-    """
-    log = JobLog() if log is None else log
-    held = degrees_of(np.concatenate([mesh.left_nodes, mesh.right_nodes, mesh.fixed_nodes]))
-    inside = np.setdiff1d(np.arange(matrix.shape[0]), held)
-    solve = factored(matrix[inside][:, inside].tocsc(), log.account)
-    log.end_step("factorisation")
-    solved = solve(loads[inside])
-    own = np.concatenate([columns[inside].T @ solved for columns in (loads, *readings)])
-    response = np.zeros((mesh.teeth, *own.shape))
-    response[0] = own
-    log.end_step("solution")
-    log.solution(inside, solved, matrix.shape[0])
-    return response, inside.size
 
 
 def made_symmetric(response: Floats, across: Numbers) -> tuple[Floats, float]:

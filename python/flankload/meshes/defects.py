@@ -227,9 +227,6 @@ def _folded(nodes: Floats, cells: Cells) -> Defect | None:
 
 def _loose_parts(cells: Cells) -> Defect | None:
     """Several parts; those without a support could move freely."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     numbers = np.cumsum([0, *(len(data) for _, data in cells)])
     edges = np.vstack([data[:, edge[:2]] for kind, data in cells for edge in EDGES[kind]])
     element = np.concatenate(
@@ -239,12 +236,7 @@ def _loose_parts(cells: Cells) -> Defect | None:
         ]
     )
     _, edge = np.unique(pair_numbers(np.sort(edges, axis=1)), return_inverse=True)
-    # elements and edges as one graph: each element is connected to its edges
-    edge = edge + numbers[-1]
-    size = int(edge.max()) + 1
-    graph = coo_array((np.ones(edge.size), (element, edge)), shape=(size, size))
-    _, part = connected_components(graph, directed=False)
-    _, counts = np.unique(part[: numbers[-1]], return_counts=True)
+    _, counts = np.unique(_connected(element, edge.ravel()), return_counts=True)
     if counts.size == 1:
         return None
     sizes = sorted(counts.tolist(), reverse=True)
@@ -254,6 +246,21 @@ def _loose_parts(cells: Cells) -> Defect | None:
         f"{len(sizes)} parts that share no edge, of {', '.join(map(str, sizes[:4]))}{more} "
         "elements",
     )
+
+
+def _connected(element: Numbers, edge: Numbers) -> Numbers:
+    """First element (E,) of the part of each, from all pairs of an element and its edge."""
+    part = np.arange(int(element.max()) + 1)
+    while True:
+        least = np.full(int(edge.max()) + 1, part.size)
+        np.minimum.at(least, edge, part[element])
+        found = part.copy()
+        np.minimum.at(found, element, least[edge])
+        np.minimum.at(found, part, found.copy())  # the first element of a part joins with it
+        found = found[found]
+        if np.array_equal(found, part):
+            return part
+        part = found
 
 
 def _materials(raw: RawMesh) -> Defect | None:

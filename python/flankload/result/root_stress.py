@@ -23,9 +23,9 @@ import numpy as np
 from flankload.base.card import Card
 from flankload.base.gauss import leggauss
 from flankload.base.read_only import KeepsReadOnly
+from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.near_field import mode_values, to_coefficients
 from flankload.elasticity.nodal_loads import linear_shapes
-from flankload.elasticity.prism.axial_basis import AxialBasis
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

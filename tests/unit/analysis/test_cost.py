@@ -15,7 +15,8 @@ from flankload.cli import main
 from flankload.contact import sweep as sweep_room
 from flankload.contact.pair_table import PackedPairs
 from flankload.cost import COUNTERS, Account, held_bytes, totals
-from flankload.elasticity import finite_elements as elasticity
+from flankload.elasticity.fronts import condensation
+from flankload.elasticity.fronts.recovery import Recovery
 from flankload.mechanisms import Parts
 from flankload.mechanisms.flank_pair import prediction
 from flankload.studies.prepared import solve_scene
@@ -29,7 +30,6 @@ SOLUTIONS = (
     "fe_load_cases_growth",
     "corner_readings",
     "bore_reactions",
-    "cut_columns",
     "stress_recoveries",
 )
 FEW = {"positions__count": 4}
@@ -104,7 +104,7 @@ def test_packed_pairs_count_the_used_part_of_their_memory() -> None:
 @pytest.mark.parametrize(
     ("changes", "kinds"),
     [
-        (FEW, {"unit_loads_normal", "corner_readings", "cut_columns"}),
+        (FEW, {"unit_loads_normal", "corner_readings"}),
         ({"body_1__bore": "torque", **ALL}, set(SOLUTIONS) - {"fe_load_cases_growth"}),
         (
             {"body_1__rigid": True, "effects__speed_rpm": 100, **ALL},
@@ -114,25 +114,25 @@ def test_packed_pairs_count_the_used_part_of_their_memory() -> None:
     ],
     ids=["plain", "friction and stress", "rigid", "no torque"],
 )
-def test_factorisations_and_solutions_are_those_that_scipy_did(
+def test_factorisations_and_solutions_are_those_of_the_fronts(
     changes: dict[str, Any], kinds: set[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     done: Counter[str] = Counter()
 
-    class Watched:
-        def __init__(self, *arguments: Any, **options: Any) -> None:
-            done["fe_factorisations"] += 1
-            self._factor = plain(*arguments, **options)
+    plain = condensation.condense_in_order
 
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self._factor, name)
+    def watched(*arguments: Any, **options: Any) -> Any:
+        done["fe_factorisations"] += 1
+        done["fe_solutions"] += arguments[3].shape[2]
+        return plain(*arguments, **options)
 
-        def solve(self, right: np.ndarray) -> np.ndarray:
-            done["fe_solutions"] += right.shape[1]
-            return self._factor.solve(right)
+    def read(self: Recovery, sector: Any, columns: np.ndarray, moved: np.ndarray) -> Any:
+        done["fe_solutions"] += columns.shape[2]
+        return reads(self, sector, columns, moved)
 
-    plain = elasticity.splu
-    monkeypatch.setattr(elasticity, "splu", Watched)
+    reads = Recovery.read
+    monkeypatch.setattr(condensation, "condense_in_order", watched)
+    monkeypatch.setattr(Recovery, "read", read)
     cost = fresh(**changes).cost
     for name in ("fe_factorisations", "fe_solutions"):
         assert cost[name] == done[name]
@@ -282,17 +282,6 @@ def test_each_example_is_solved_at_the_predicted_cost(path: Path) -> None:
     assert np.isfinite(unloaded.rotation_rad).all()
     assert "transmission error" in unloaded.table()
     assert differences(unloaded.cost) == {}
-
-
-def test_many_cuts_are_predicted_with_the_factorisation_that_condenses_them(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for room in (elasticity, prediction):
-        monkeypatch.setattr(room, "MANY_KEPT", 20)
-    cost = fresh(**FEW).cost
-    assert differences(cost) == {}
-    assert cost["fe_factorisations"] == 4
-    assert cost["cut_columns"] == 0
 
 
 def test_a_prediction_that_is_wrong_shows(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import flankload as fl
 from flankload.bodies.shaft import FlexibleShaft, Shaft, build_shaft, flexible_shaft
-from flankload.elasticity.prism.axial_basis import AxialBasis
+from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.prism.flexible_bore import beam_stiffness
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene.effects import effects_of, switches_of

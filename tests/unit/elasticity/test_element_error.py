@@ -11,8 +11,8 @@ from scipy.sparse.linalg import spsolve
 
 from flankload.bodies.body import Material
 from flankload.elasticity.fe_error import compliance_error
-from flankload.elasticity.finite_elements import stiffness
 from flankload.meshes.plane_mesh import raise_to_quadratic
+from tests.support.plane_stiffness import plane_stiffness
 from tests.support.tolerances import ROUND_OFF
 
 STEEL = Material(206000.0, 0.3)
@@ -74,7 +74,7 @@ def solved(
     slides = [2 * np.flatnonzero(nodes[:, 0] == 0), 2 * np.flatnonzero(nodes[:, 1] == 0) + 1]
     free = np.setdiff1d(np.arange(2 * len(nodes)), np.concatenate(slides))
     loads, moved = pressed(nodes, pressures), np.zeros((2 * len(nodes), len(pressures)))
-    matrix = stiffness(nodes, cells, STEEL, "strain")[np.ix_(free, free)]
+    matrix = plane_stiffness(nodes, cells, STEEL, "strain")[np.ix_(free, free)]
     moved[free] = spsolve(matrix.tocsc(), loads[free]).reshape(len(free), -1)
     return loads.T @ moved, compliance_error(nodes, cells, STEEL, "strain", moved)
 
@@ -114,7 +114,7 @@ def test_fields_of_the_elements_have_no_error(kind: str, plane: str, degree: int
         compliance_error(nodes, cells, STEEL, plane, polynomial(nodes, n)) for n in (degree, 3)
     )
     moved = polynomial(nodes, degree)
-    energy = moved.T @ (stiffness(nodes, cells, STEEL, plane) @ moved)
+    energy = moved.T @ (plane_stiffness(nodes, cells, STEEL, plane) @ moved)
     np.testing.assert_allclose(held, 0.0, rtol=0.0, atol=ROUND_OFF * np.abs(energy).max())
     assert np.linalg.eigvalsh(beyond).min() > 1e-7 * np.abs(energy).max()
 

@@ -13,18 +13,18 @@ from scipy.sparse.linalg import splu
 from flankload.base.rotation import turned
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.involute.free_bore import with_free_bore
-from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.axial_basis import AxialBasis
+from flankload.elasticity.finite_elements import section_stiffness, stiffness
+from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.loaded_body import loaded_body, ring_of
 from flankload.elasticity.mean_motion import plane_reactions, prism_reactions
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism import Prism
-from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.condensation import condense_prism
 from flankload.elasticity.prism.loaded_prism import loaded_prism
-from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring, condense, uniform_response
 from tests.support.plain_prism import product_loads, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
+from tests.support.plane_stiffness import plane_stiffness
 from tests.support.ring_bodies import gear_body
 from tests.support.tolerances import CLOSURE
 
@@ -86,7 +86,9 @@ def test_sectors_close_to_the_meshed_ring_with_a_held_mean_motion(teeth: int) ->
         ]
 
     loads = placed(own)
-    moved = bordered(stiffness(nodes, cells, STEEL, "strain"), loads[0], rigid(placed(reactions)))
+    moved = bordered(
+        plane_stiffness(nodes, cells, STEEL, "strain"), loads[0], rigid(placed(reactions))
+    )
     wanted = np.array([column.T @ moved for column in loads])
     scale = np.abs(wanted).max()
     np.testing.assert_allclose(found[:, :3], wanted, rtol=0, atol=CLOSURE * scale)
@@ -103,7 +105,7 @@ def closed_prism(
     loads = product_loads(in_plane, axial.load_vectors(degree))
     loads = loads.reshape(len(mesh.nodes), 3 * axial.count, -1)
     reactions = prism_reactions(mesh, axial, twist, STEEL.young_modulus_MPa)
-    sector = condense_prism(
+    sector = condense_nodes(
         section_stiffness(mesh.nodes, mesh.cells, STEEL, twist),
         axial,
         mesh,
@@ -223,7 +225,7 @@ def test_fields_of_a_prism_are_those_of_its_compliance(twist: float) -> None:
     loads, _, wanted = closed_prism(body.mesh, body.mode_range_mm, AXIAL, 0, twist)
     forces = np.zeros((*loads.shape[:2], 8))
     forces[..., 0] = loads[..., 0]
-    moved = loaded_prism(body, prism).solved(forces)
+    moved = loaded_prism(body, prism).ring.displacements(forces)
     found = np.einsum("nuf,nut->tf", loads, moved)
     np.testing.assert_allclose(found, wanted[:, :, 0], rtol=0, atol=CLOSURE * np.abs(wanted).max())
 

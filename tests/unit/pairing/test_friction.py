@@ -14,7 +14,7 @@ import flankload as fl
 from flankload.bodies.body import Material
 from flankload.cli import main
 from flankload.elasticity.compliance import JobOptions, flank_compliance
-from flankload.elasticity.finite_elements import degrees_of, factored, stiffness
+from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.near_field import jump_strength, mode_loads, mode_norms, projected_sign
 from flankload.elasticity.sector_closure import close_ring, condense
 from flankload.errors import ComplianceFileError, SceneError
@@ -32,6 +32,7 @@ from tests.support.gear_pair import ONE, TWO
 from tests.support.mesh_files import COARSE_PINION, sector, whole, whole_of
 from tests.support.paths import MESHES
 from tests.support.plane_sectors import STEEL, ring_sector
+from tests.support.plane_stiffness import factored, plane_stiffness
 from tests.support.tolerances import ROUND_OFF
 
 RUBS = {"friction_coefficient": 0.1}
@@ -56,7 +57,7 @@ def test_projected_sign_agrees_with_quadrature(a: int, b: int) -> None:
 def test_surface_sinks_in_front_of_a_load_along_it() -> None:
     """A unit load along the flank over one fine element: -j before it, j behind it."""
     mesh, _ = ring_sector(6, rows=40, columns=120)
-    matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
+    matrix = plane_stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
     held = np.concatenate([mesh.fixed_nodes, mesh.left_nodes, mesh.right_nodes])
     free = np.setdiff1d(np.arange(matrix.shape[0]), degrees_of(held))
     m = len(mesh.flank_edges) // 2
@@ -194,8 +195,9 @@ def test_files_of_a_scene_with_friction_serve_scenes_with_and_without(folder: Pa
     assert_same(rubbed, solved(effects=RUBS))
     assert rubbed.cost["unit_loads_tangential"] == 0
     plain = solved(folder, **files)
+    # fronts with other columns are summed in another order
     np.testing.assert_allclose(
-        plain.rotation_rad, solved().rotation_rad, rtol=100 * ROUND_OFF, atol=0
+        plain.rotation_rad, solved().rotation_rad, rtol=1000 * ROUND_OFF, atol=0
     )
     assert plain.friction is None
 

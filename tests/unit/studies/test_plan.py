@@ -45,7 +45,6 @@ EXACT = (
     "unit_loads_normal",
     "unit_loads_tangential",
     "bore_reactions",
-    "cut_columns",
     "stress_recoveries",
 )
 

@@ -41,11 +41,10 @@ from flankload.elasticity.sector_closure import made_symmetric
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from scipy.sparse import csc_array
-
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body, SectorMesh
     from flankload.bodies.root_fillet import RootFillets
+    from flankload.elasticity.finite_elements import SectionStiffness
     from flankload.pairing.expansion import BodyLoad
 
 
@@ -92,7 +91,7 @@ def flank_compliance(
     *,
     sectors: int | None = None,
     body_load: BodyLoad | None = None,
-    matrix: csc_array | None = None,
+    section: SectionStiffness | None = None,
 ) -> BodyCompliance:
     """Compliance of the flanks of a body from one finite-element job.
 
@@ -105,12 +104,12 @@ def flank_compliance(
         the whole body; not for whole meshes.
     body_load : BodyLoad, optional
         Causes of the expansion of the body; a single tooth expands uniformly only.
-    matrix : csc_array, optional
-        Stiffness matrix of the mesh, if available.
+    section : SectionStiffness, optional
+        Stiffness of the mesh, if available.
     """
     if body.rigid or body.mesh is None:
         return no_compliance(body, body_load)
-    job, load_vectors = _prepared(body, body_load, options, matrix)
+    job, load_vectors = _prepared(body, body_load, options, section)
     if isinstance(body.mesh, WholeMesh):
         response = of_whole(job, body.mesh)
     else:
@@ -128,9 +127,12 @@ def flank_compliance(
 
 
 def _prepared(
-    body: Body, body_load: BodyLoad | None, options: JobOptions, matrix: csc_array | None
+    body: Body,
+    body_load: BodyLoad | None,
+    options: JobOptions,
+    section: SectionStiffness | None,
 ) -> tuple[Job, dict[str, Floats]]:
-    """Matrix, loads and readings of a job, and the vectors of the body load by name."""
+    """Stiffness, loads and readings of a job, and the vectors of the body load by name."""
     plane = options.plane
     assert body.mesh is not None
     mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
@@ -140,16 +142,16 @@ def _prepared(
 
     log = JobLog(estimate=estimate if options.estimate and not options.nodal else None)
     loads = _loads(body, options)
-    if matrix is None:
-        matrix = stiffness(nodes, cells, body.material, plane)
-    log.account.workspace_bytes += _sparse_bytes(matrix)
-    load_vectors = _load_vectors(matrix, mesh, body_load)
+    if section is None:
+        section = stiffness(nodes, cells, body.material, plane)
+    log.account.workspace_bytes += section.bytes
+    load_vectors = _load_vectors(section, mesh, body_load)
     job = Job(
         body=body,
-        matrix=matrix,
+        stiffness=section,
         loads=loads,
         friction=options.friction,
-        readings=_readings(body, options, matrix.shape[0]),
+        readings=_readings(body, options, 2 * len(nodes)),
         forces=np.stack(list(load_vectors.values()), axis=1) if load_vectors else None,
         log=log,
         rim=options.rim,
@@ -225,22 +227,22 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
 
 
 def _load_vectors(
-    matrix: csc_array,
+    section: SectionStiffness,
     mesh: SectorMesh | WholeMesh,
     body_load: BodyLoad | None,
 ) -> dict[str, Floats]:
     """Nodal loads (2N,) of a body load relative to the support, N per mm of width, by cause.
 
     The displacement is e_s x plus the response to these loads with a fixed support. The stiffness
-    matrix (2N, 2N), per mm of width, times the coordinates of the nodes is the load for a strain of
-    1 in the plane. Axial expansion is free, also in plane strain.
+    times the coordinates of the nodes is the load for a strain of 1 in the plane. Axial expansion
+    is free, also in plane strain.
     """
     loads: dict[str, Floats] = {}
     if body_load is None:
         return loads
     if body_load.strain != body_load.held_strain:
         loads["temperature"] = (body_load.strain - body_load.held_strain) * (
-            matrix @ mesh.nodes.ravel()
+            section.times(mesh.nodes)
         )
     if body_load.speed_rad_per_s > 0.0:
         pull = body_load.density_Ns2_per_mm4 * body_load.speed_rad_per_s**2
@@ -276,7 +278,3 @@ def _flank_expansion(
     parts = {name: float(np.sum(evenly * shift)) / square for name, shift in shifts.items()}
     left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
     return body_load.held_strain + sum(parts.values()), left
-
-
-def _sparse_bytes(matrix: csc_array) -> int:
-    return int(matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes)

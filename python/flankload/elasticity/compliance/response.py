@@ -9,35 +9,35 @@ import numpy as np
 
 from flankload.elasticity.compliance.contributions import RimResponse
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
-from flankload.elasticity.finite_elements import degrees_of, factored
+from flankload.elasticity.fronts.condensation import PLANE, condense_nodes
+from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.mean_motion import plane_reactions, resultants, rim_forces
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     close_ring,
     condense,
-    tooth_response,
     uniform_response,
+    unknowns_of,
 )
 from flankload.elasticity.sector_row import segment_response
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from scipy.sparse import csc_array
-
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
+    from flankload.elasticity.finite_elements import SectionStiffness
     from flankload.elasticity.job_log import JobLog
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """A finite-element job: a stiffness matrix, its loads and its readings.
+    """A finite-element job: a stiffness, its loads and its readings.
 
     Attributes
     ----------
-    matrix : csc_array
-        Stiffness of its mesh.
+    stiffness : SectionStiffness
+        That of its mesh.
     friction : bool
         Whether tangential loads follow the normal ones.
     readings : callable
@@ -49,7 +49,7 @@ class Job:
     """
 
     body: Body
-    matrix: csc_array
+    stiffness: SectionStiffness
     loads: ModeLoads | NodeLoads
     friction: bool
     readings: Callable[[int], dict[str, Floats]]
@@ -101,39 +101,41 @@ class Response:
 
 def of_whole(job: Job, mesh: WholeMesh) -> Response:
     """Response of a whole mesh with f flanks; response[i * f + j]: flank i, loads on flank j."""
-    log, unknowns = job.log, job.matrix.shape[0]
+    log, size = job.log, len(mesh.nodes)
     log.end_step("assembly")
-    free = np.setdiff1d(np.arange(unknowns), degrees_of(mesh.fixed_nodes))
-    solve = factored(job.matrix[free][:, free].tocsc(), log.account)
+    loads = [job.unit_loads(flank) for flank in mesh.flanks]
+    further = [list(job.readings(i).values()) for i in range(len(loads))]
+    f, p, forces = len(loads), loads[0].shape[1], job.forces
+    columns = np.hstack(loads)
+    log.account.count(fe_solutions=columns.shape[1])
+    log.count_loads(f * p, friction=job.friction)
+    recovery = Recovery() if log.estimates or further[0] or forces is not None else None
+    by_node = columns.reshape(size, 2, -1)
+    sector = condense_nodes(
+        job.stiffness, PLANE, mesh, by_node, account=log.account, recovery=recovery
+    )
     log.end_step("factorisation")
-    # a product for each kind of reading: the order of summation depends on the number of columns
-    kinds = [
-        [_nonzero(job.unit_loads(flank)[free])]
-        + [_nonzero(columns[free]) for columns in job.readings(i).values()]
-        for i, flank in enumerate(mesh.flanks)
-    ]
-    f, p = len(kinds), kinds[0][0][1].shape[1]
-    response = np.empty((f, f, sum(part.shape[1] for _, part in kinds[0]), p))
-    for j, ((rows, columns), *_) in enumerate(kinds):
-        right = np.zeros((free.size, p))
-        right[rows] = columns
-        log.count_loads(p, friction=job.friction)
-        moved = solve(right)
-        for i, parts in enumerate(kinds):
-            response[i, j] = np.concatenate([part.T @ moved[at] for at, part in parts])
-        log.solution(free, moved, unknowns)
-    by_force = np.zeros((f, 0, p))
-    if job.forces is not None:
-        log.account.count(fe_load_cases_growth=job.forces.shape[1])
-        moved = solve(job.forces[free])
-        by_force = np.array([moved[rows].T @ columns for (rows, columns), *_ in kinds])
+    response = np.empty((f, f, p + sum(part.shape[1] for part in further[0]), p))
+    response[:, :, :p] = sector.local[0].reshape(f, p, f, p).swapaxes(1, 2)
+    by_force = np.zeros((f, 0 if forces is None else forces.shape[1], p))
+    if forces is not None:
+        log.account.count(fe_solutions=forces.shape[1], fe_load_cases_growth=forces.shape[1])
+    if recovery is not None:
+        for j in range(f):
+            moved = recovery.under_loads(size, j * p, (j + 1) * p).reshape(-1, p)
+            log.solution(moved)
+            for i, parts in enumerate(further):
+                if parts:
+                    response[i, j, p:] = np.concatenate([part.T @ moved for part in parts])
+            if forces is not None:
+                by_force[j] = forces.T @ moved
     log.end_step("solution")
     return Response(
         response.reshape(f * f, -1, p),
         own=np.arange(f) * (f + 1),
         across=np.arange(f * f).reshape(f, f).T.ravel(),
         by_force=by_force,
-        degrees_of_freedom=free.size,
+        degrees_of_freedom=unknowns_of(mesh),
         flanks=tuple(flank.tooth for flank in mesh.flanks),
     )
 
@@ -159,14 +161,16 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
     log.count_loads(loads.shape[1], friction=job.friction)
     by_force = job.no_forces
     if sectors == 1:
-        response, free = tooth_response(job.matrix, loads, mesh, list(readings.values()), log)
+        sector, free = condense(job.stiffness, loads, mesh, readings, log, held=True)
+        response = np.zeros((mesh.teeth, *np.concatenate(sector.local).shape))
+        response[0] = np.concatenate(sector.local)
     else:
         if job.forces is not None:
             readings["fe_load_cases_growth"] = job.forces
         reactions = None
         if mesh.has_free_bore:
             reactions = plane_reactions(mesh, job.body.material.young_modulus_MPa)
-        sector, free = condense(job.matrix, loads, mesh, readings, log, reactions)
+        sector, free = condense(job.stiffness, loads, mesh, readings, log, reactions)
         if job.forces is not None:
             by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
         if sectors is None:
@@ -223,9 +227,3 @@ def _split_coast(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats
     pressures = cross_compliance[..., :n]
     cross_compliance[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
     return np.delete(response, slice(first, first + n), axis=1), cross_compliance
-
-
-def _nonzero(columns: Floats) -> tuple[Numbers, Floats]:
-    """Numbers of the rows that are not zero, and these rows."""
-    rows = np.flatnonzero(columns.any(axis=1))
-    return rows, columns[rows]

@@ -34,6 +34,7 @@ from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
+from flankload.elasticity.axial_basis import AxialBasis, functions_of, mode_norms_z
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.contributions import (
     AxialModes,
@@ -44,6 +45,9 @@ from flankload.elasticity.compliance.contributions import (
     opposite,
 )
 from flankload.elasticity.compliance.job import JobOptions, flank_compliance
+from flankload.elasticity.finite_elements import section_stiffness
+from flankload.elasticity.fronts.condensation import condense_nodes
+from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.mean_motion import prism_reactions
 from flankload.elasticity.near_field import (
@@ -52,14 +56,11 @@ from flankload.elasticity.near_field import (
     mirrored_loads,
     mode_loads,
 )
-from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of, mode_norms_z
-from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
 from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
 from flankload.elasticity.prism.flank_surface import flank_surface
 from flankload.elasticity.prism.flexible_bore import FlexibleBore
-from flankload.elasticity.prism.recovery import Recovery
+from flankload.elasticity.prism.prism import COMPONENTS
 from flankload.elasticity.prism.root_surface import root_surface_stress
-from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring, made_symmetric
 from flankload.errors import SceneError
 
@@ -67,7 +68,6 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootFillets
-    from flankload.elasticity.condensed_sector import CondensedSector
     from flankload.elasticity.prism.flank_surface import FlankSurface
     from flankload.elasticity.prism.prism import Prism
 
@@ -236,8 +236,7 @@ def _fe_error(
     """
     section = flank_compliance(body, options, sectors=1)
     assert section.fe_error is not None
-    counted = ("fe_factorisations", "fe_solutions")
-    log.account.count(**{name: section.job.counters[name] for name in counted})
+    log.account.count(fe_factorisations=1, fe_solutions=section.fe_error.shape[2])
     along = np.diag(1.0 / mode_norms_z(surface.width_mm, load_degree))
     cosine = surface.cos_base_helix
     fe_error = cosine**2 * np.kron(section.fe_error[0], along)
@@ -303,7 +302,7 @@ def _ring_responses(
     log.end_step("assembly")
     # most fronts are too small for several threads
     with one_blas_thread():
-        sector = condense_prism(
+        sector = condense_nodes(
             section,
             functions,
             mesh,
@@ -317,8 +316,10 @@ def _ring_responses(
         if fillets is not None and recovery is not None:
             nodes = fillets.on_elements
             stress = root_surface_stress(nodes, functions, axial, body.material, prism.twist)
-            by_loads, by_cuts = recovery.unit_displacements(nodes.nodes, loads.shape[2])
-            sector = _with_reading(sector, stress, by_loads, by_cuts)
+            columns = np.zeros((*loads.shape[:2], len(stress)))
+            columns[nodes.nodes] = stress.T.reshape(nodes.nodes.size, -1, len(stress))
+            moved = recovery.under_loads(len(mesh.nodes), 0, loads.shape[2])
+            sector = recovery.read(sector, columns, moved)
             log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
             log.end_step("solution")
         if reactions.size:
@@ -326,18 +327,6 @@ def _ring_responses(
         response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
     log.end_step("ring")
     return response[:, :count], response[:, count:]
-
-
-def _with_reading(
-    sector: CondensedSector, columns: Floats, by_loads: Floats, by_cuts: Floats
-) -> CondensedSector:
-    """The sector with further readings: columns (r, n) for the displacements (k, …) of nodes."""
-    local, carried = (
-        columns @ moved.reshape(columns.shape[1], -1) for moved in (by_loads, by_cuts)
-    )
-    return replace(
-        sector, local=(*sector.local, local), carried=(*sector.carried, np.asarray(carried.T))
-    )
 
 
 def prism_unknowns(body: Body, degree: int) -> int:

@@ -1,31 +1,26 @@
 """Displacement and stress in a whole prism under forces on its flanks.
 
-One sector is condensed to its cuts, and its fronts are stored; the cuts of the ring are solved by
-sector harmonics, and each sector requires one back substitution (`recovery`). The solid mesh for
-output has layers of quadratic elements along the axis, enough for the degree of the displacements.
+The ring of sectors is solved by `recovered_ring`. The solid mesh for output has layers of quadratic
+elements along the axis, enough for the degree of the displacements.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.blas_threads import one_blas_thread
 from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
-from flankload.elasticity.condensed_sector import CondensedSector, MeanMotion
+from flankload.elasticity.axial_basis import AxialBasis, functions_of
 from flankload.elasticity.fe_error import recovered_strains
-from flankload.elasticity.finite_elements import lame_parameters
+from flankload.elasticity.finite_elements import lame_parameters, section_stiffness
 from flankload.elasticity.loaded_body import coast_edges, node_widths, on_edges, ring_of
 from flankload.elasticity.mean_motion import prism_reactions
 from flankload.elasticity.near_field import loaded_edges
-from flankload.elasticity.prism.axial_basis import AxialBasis, functions_of
-from flankload.elasticity.prism.condensation import COMPONENTS, condense_prism
-from flankload.elasticity.prism.recovery import Recovery
-from flankload.elasticity.prism.section_stiffness import section_stiffness
-from flankload.elasticity.sector_closure import ring_displacements
+from flankload.elasticity.prism.prism import COMPONENTS
+from flankload.elasticity.recovered_ring import RecoveredRing
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Flags, Floats, Numbers
@@ -98,13 +93,8 @@ class LoadedPrism:
         Number of the axial basis of each node.
     parts : tuple of SolidPart
         One for each width of regions.
-    sector : CondensedSector
-        Condensed to its cuts.
-    recovery : Recovery
-        All fronts.
-    reactions : (N, 3 (p + 1), n) arrays
-        Unit reactions on a bore whose mean motion is held, n = 0 for a fixed one, and the
-        displacements under them with fixed cuts.
+    ring : RecoveredRing
+        Solver for forces on the nodes of its sectors.
     """
 
     body: Body
@@ -113,9 +103,7 @@ class LoadedPrism:
     numbers: Numbers
     basis_of: Numbers
     parts: tuple[SolidPart, ...]
-    sector: CondensedSector
-    recovery: Recovery
-    reactions: tuple[Floats, Floats]
+    ring: RecoveredRing
 
     @property
     def mesh(self) -> SectorMesh:
@@ -175,23 +163,12 @@ class LoadedPrism:
         parts = np.einsum("na,nk,nc->nakc", shapes, means, local)
         np.add.at(forces, (nodes, sector[:, None]), parts)
         by_sector = forces.transpose(0, 2, 3, 1).reshape(len(mesh.nodes), -1, z)
-        with one_blas_thread():
-            moved = self.solved(by_sector).reshape(len(mesh.nodes), count, COMPONENTS, z)
+        moved = self.ring.displacements(by_sector).reshape(len(mesh.nodes), count, COMPONENTS, z)
         found = np.empty((len(self.nodes), count, COMPONENTS))
         for k, row in enumerate(self.numbers):
             found[row] = moved[..., k]
             found[row, :, :2] = turned(moved[:, :, :2, k], k * pitch)
         return found
-
-    def solved(self, forces: Floats) -> Floats:
-        """Displacements of all sectors under nodal forces (N, 3 (p + 1), z), in their frames."""
-        kept, carried = self.recovery.reduced(forces)
-        columns, moved = self.reactions
-        motions = np.einsum("num,nuz->mz", moved, forces)
-        on_cuts, factors = ring_displacements(self.sector, self.mesh.teeth, carried, motions)
-        if factors.size:
-            kept, _ = self.recovery.reduced(forces + columns @ factors)
-        return self.recovery.displacements(kept, on_cuts, len(self.mesh.nodes))
 
     def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
         """Displacement (n, J, 3), mm, and stress (n, J, 6), MPa, at the points of a part.
@@ -231,34 +208,26 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
     body = body.for_elements()
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
-    axial, recovery = AxialBasis(prism.range_mm, prism.degree), Recovery()
+    axial = AxialBasis(prism.range_mm, prism.degree)
     regions, functions = functions_of(mesh, axial, dict(prism.regions))
     section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, regions)
-    with one_blas_thread():
-        sector = condense_prism(
-            section,
-            functions,
-            mesh,
-            np.zeros((len(mesh.nodes), COMPONENTS * axial.count, 0)),
-            cut_degree=min(prism.cut_degree, prism.degree),
-            twisted=prism.twist != 0.0,
-            recovery=recovery,
-        )
-    columns = moved = np.zeros((len(mesh.nodes), COMPONENTS * axial.count, 0))
+    columns = np.zeros((len(mesh.nodes), COMPONENTS * axial.count, 0))
     if mesh.has_free_bore:
         modulus = body.material.young_modulus_MPa
         columns = prism_reactions(mesh, functions, prism.twist, modulus)
-        kept, carried = recovery.reduced(columns)
-        moved = recovery.displacements(kept, np.zeros_like(carried), len(mesh.nodes))
-        own = np.einsum("num,nuk->mk", columns, moved)
-        sector = replace(sector, mean=MeanMotion(own, (), carried))
+    ring = RecoveredRing.of(
+        section,
+        functions,
+        mesh,
+        columns,
+        cut_degree=min(prism.cut_degree, prism.degree),
+        twisted=prism.twist != 0.0,
+    )
     nodes, whole, numbers = ring_of(mesh)
     basis_of = np.empty(len(nodes), dtype=np.int64)
     bases, basis_of[numbers] = functions.of_nodes(np.arange(len(mesh.nodes)))
     parts = _parts(whole, regions, bases)
-    return LoadedPrism(
-        body, prism, nodes, numbers, basis_of, parts, sector, recovery, (columns, moved)
-    )
+    return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, ring)
 
 
 def _parts(

@@ -10,6 +10,8 @@ from flankload.errors import SceneError
 if TYPE_CHECKING:
     from flankload.bodies.shaft import FlexibleShaft
 
+#: Components of a displacement.
+COMPONENTS = 3
 #: Least excess of the degree of displacements in z over that of loads: the error of the highest
 #: mode is 0.06 %.
 DEGREES_ABOVE_LOADS = 4

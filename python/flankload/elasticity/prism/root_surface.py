@@ -21,13 +21,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.prism.axial_basis import cross_terms
+from flankload.elasticity.axial_basis import cross_terms
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Material
     from flankload.bodies.root_fillet import FilletNodes
-    from flankload.elasticity.prism.axial_basis import AxialBasis, AxialFunctions
+    from flankload.elasticity.axial_basis import AxialBasis, AxialFunctions
 
 
 def root_surface_stress(

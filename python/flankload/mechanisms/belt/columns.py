@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csc_array, hstack
 
 from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
-from flankload.elasticity.finite_elements import assembled, degrees_of
+from flankload.elasticity.finite_elements import degrees_of
 from flankload.elasticity.nodal_loads import linear_shapes
 
 if TYPE_CHECKING:
@@ -77,14 +76,14 @@ class Flanks:
         )
 
 
-def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, csc_array]:
+def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, Floats]:
     """Contact pairs on all working flanks, and their nodal loads (2N, n).
 
     A column has the forces in x and y of a unit force of the pulley on a pair.
     """
     none, nowhere = np.zeros(0), np.zeros((0, 2))
     parts = [Flanks(none.astype(np.int64), nowhere, nowhere, none, none, none, ())]
-    columns = [csc_array((2 * len(mesh.nodes), 0))]
+    columns = [np.zeros((2 * len(mesh.nodes), 0))]
     for tooth, nodes in sorted(mesh.flanks.items()):
         angle = strip.pitch_rad * (tooth + 0.5)
         places = mesh.nodes[nodes]
@@ -102,7 +101,7 @@ def flank_columns(strip: Strip, mesh: BeltMesh) -> tuple[Flanks, csc_array]:
         parts.append(Flanks(teeth, middle, normal, lever, gap, length, (places,)))
         own = -np.einsum("gq,gh,gd->qdh", shapes, linear, out) / length
         columns.append(_at_nodes(own.reshape(-1, length.size), degrees_of(nodes), mesh))
-    return Flanks.joined(parts), hstack(columns, format="csc")
+    return Flanks.joined(parts), np.hstack(columns)
 
 
 @dataclass(frozen=True)
@@ -117,17 +116,25 @@ class Lands:
         Angle of the end node of each shape function.
     degrees : (h,) array
         Degrees of freedom replaced by the displacements of the shape functions.
-    basis : (2N, 2N) csc_array
-        Nodal displacements from the other degrees of freedom and from these displacements.
-    forces : (2N, h) csc_array
+    moved : (h, 2N) array
+        Nodal displacements of these degrees of freedom from the other ones and from these
+        displacements.
+    forces : (2N, h) array
         Nodal loads of a unit circumferential force on each shape function.
     """
 
     number: Numbers
     angle_rad: Floats
     degrees: Numbers
-    basis: csc_array
-    forces: csc_array
+    moved: Floats
+    forces: Floats
+
+    def transform(self, columns: Floats) -> None:
+        """Change nodal forces (2N, n) to forces on the degrees of freedom with these, in place."""
+        touched = np.flatnonzero(self.moved.any(axis=0))
+        replaced = columns[self.degrees]
+        columns[self.degrees] = 0.0
+        columns[touched] += self.moved[:, touched].T @ replaced
 
 
 def land_columns(mesh: BeltMesh) -> Lands:
@@ -139,39 +146,36 @@ def land_columns(mesh: BeltMesh) -> Lands:
     of an edge have a moment with one shape function only, so w replaces the displacements there.
     """
     size = 2 * len(mesh.nodes)
-    numbers, degrees, entries = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], []
-    forces = [csc_array((size, 0))]
+    numbers, degrees = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    moved, forces = [np.zeros((0, size))], [np.zeros((size, 0))]
     for number, nodes in sorted(mesh.lands.items()):
         shapes, linear, along = _on_edges(mesh.nodes[nodes])
         weighted = np.linalg.norm(along, axis=1)[:, None] * linear
         moments = weighted.T @ shapes
         own = moments[:, ::2].diagonal()[:, None]
         ends, middles = 2 * nodes[::2], 2 * nodes[1::2]
+        part = np.zeros((ends.size, size))
         for values, columns in ((weighted.T @ linear, ends), (-moments[:, 1::2], middles)):
-            row, column = np.nonzero(np.abs(values) > NO_MOMENT * own)
-            entries.append((ends[row], columns[column], (values / own)[row, column]))
+            part[:, columns] = np.where(np.abs(values) > NO_MOMENT * own, values / own, 0.0)
         numbers.append(np.full(ends.size, number))
         degrees.append(ends)
+        moved.append(part)
         forces.append(_at_nodes(moments.T / weighted.sum(axis=0), 2 * nodes + 1, mesh))
     replaced = np.concatenate(degrees)
-    others = np.setdiff1d(np.arange(size), replaced)
-    entries.append((others, others, np.ones(others.size)))
-    rows, columns, values = (np.concatenate(part) for part in zip(*entries, strict=True))
     return Lands(
         np.concatenate(numbers),
         mesh.turns_rad[replaced // 2],
         replaced,
-        assembled(values, rows, columns, (size, size)),
-        hstack(forces, format="csc"),
+        np.concatenate(moved),
+        np.hstack(forces),
     )
 
 
-def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> csc_array:
+def _at_nodes(values: Floats, degrees: Numbers, mesh: BeltMesh) -> Floats:
     """Columns (2N, k) with these values at these degrees of freedom, and zeros elsewhere."""
-    rows = np.repeat(degrees, values.shape[1])
-    columns = np.tile(np.arange(values.shape[1]), degrees.size)
-    shape = (2 * len(mesh.nodes), values.shape[1])
-    return assembled(values.ravel(), rows, columns, shape)
+    found = np.zeros((2 * len(mesh.nodes), values.shape[1]))
+    found[degrees] = values
+    return found
 
 
 def _on_edges(places: Floats) -> tuple[Floats, Floats, Floats]:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from flankload.base.rounding import round_up
-from flankload.elasticity.sector_closure import sector_unknowns
+from flankload.elasticity.sector_closure import unknowns_of
 from flankload.mechanisms.belt.belt import Strip, build_pulley, build_strip
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, coarser
 from flankload.mechanisms.belt.contact import state_under
@@ -293,11 +293,10 @@ def work_of_elements(scene: Scene, sizes: Iterable[PieceSize]) -> dict[str, int]
 
 def work_of_pulley(scene: Scene, mesh: PulleyMesh) -> dict[str, int]:
     """Factorisations, columns and solutions of an elastic pulley."""
-    kept = 2 * (mesh.sector.left_nodes.size + mesh.sector.right_nodes.size)
     normal = 2 * mesh.flank.size + mesh.land.size
     along = mesh.land.size * land_columns_of(scene)["sliding"]
-    unknowns = sector_unknowns(mesh.sector)
-    return condensation_work(unknowns, kept, normal + along, normal, along)
+    unknowns = unknowns_of(mesh.sector)
+    return condensation_work(unknowns, normal + along, normal, along)
 
 
 def work_of_states(row: BeltRow, states: int) -> dict[str, int]:

@@ -24,7 +24,6 @@ from math import asin
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import degrees_of, stiffness
@@ -126,13 +125,13 @@ def on_elastic_pulley(
     whole = pulley_compliance(known, touches, count)
     n, lift = response.flanks.tooth.size, response.by[Kind.RADIAL]
     lands = slice(n, n + response.land.size)
-    held = lu_factor(np.eye(response.land.size) + lift.reaction @ whole[lands, lands])
+    held = np.eye(response.land.size) + lift.reaction @ whole[lands, lands]
     sunk = {Kind.PAIR: whole[:, :n], Kind.SLIDING: whole[:, lands.stop :]}
     by = {}
     for kind, own in response.by.items():
         # displacements of the pulley, and contact forces of the lands
         moved = sunk.get(kind, np.zeros((count, own.tight.size)))
-        push = lu_solve(held, own.reaction - lift.reaction @ moved[lands])
+        push = np.asarray(np.linalg.solve(held, own.reaction - lift.reaction @ moved[lands]))
         moved = moved + whole[:, lands] @ push
         by[kind] = Columns(
             own.displacement + moved[:n] - lift.displacement @ moved[lands],

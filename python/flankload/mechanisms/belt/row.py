@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from flankload.base.rounding import round_down
-from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.sector_row import row_response
 from flankload.mechanisms.belt.belt_mesh import FLANK_ELEMENTS, STRAND, half_land, mesh_strip
 from flankload.mechanisms.belt.columns import Flanks
@@ -129,24 +128,18 @@ class PieceSize:
         normal, along = self.pairs + self.pulled, sliding * self.land_functions
         columns = normal + along + self.land_functions + self.held
         normal += lifting * self.land_functions
-        return condensation_work(self.unknowns, self.kept, columns, normal, along)
+        return condensation_work(self.unknowns, columns, normal, along)
 
 
-def condensation_work(
-    unknowns: int, kept: int, columns: int, normal: int, along: int
-) -> dict[str, int]:
-    """Counters of elements condensed to some unknowns, by the names of `cost.COUNTERS`.
+def condensation_work(unknowns: int, columns: int, normal: int, along: int) -> dict[str, int]:
+    """Counters of condensed elements, by the names of `cost.COUNTERS`.
 
-    Each kept unknown of the cuts requires a solution, or many together a second factorisation;
-    `columns` are further solutions; unit loads are normal and tangential.
+    `columns` are loads and readings; unit loads are normal and tangential.
     """
-    many = kept > MANY_KEPT
-    cuts = 0 if many else kept
     return {
-        "fe_factorisations": 1 + many,
+        "fe_factorisations": 1,
         "fe_unknowns": unknowns,
-        "fe_solutions": cuts + columns,
-        "cut_columns": cuts,
+        "fe_solutions": columns,
         "unit_loads_normal": normal,
         "unit_loads_tangential": along,
     }

@@ -15,16 +15,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csc_array, hstack
 
-from flankload.elasticity.finite_elements import assembled, condensed, degrees_of, stiffness
+from flankload.elasticity.finite_elements import SectionStiffness, stiffness
+from flankload.elasticity.fronts.condensation import PLANE, condense_in_order
+from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.sector_row import RowCell
-from flankload.mechanisms.belt.columns import Flanks, flank_columns, land_columns
+from flankload.mechanisms.belt.columns import Flanks, Lands, flank_columns, land_columns
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.base.arrays import Floats, Numbers
     from flankload.cost import Account
     from flankload.mechanisms.belt.belt import Strip
@@ -83,52 +87,94 @@ def solve_piece(
     """
     flanks, pairs = flank_columns(strip, mesh)
     lands = land_columns(mesh)
-    basis = (_frames(mesh.turns_rad) @ lands.basis).tocsc()
-    matrix = (basis.T @ _stiffness(strip, mesh) @ basis).tocsc()
+    matrix = _matrix(strip, mesh, lands)
     held, pulled = 2 * mesh.tight + 1, 2 * mesh.slack + 1
-    shape = (matrix.shape[0], pulled.size)
-    pull = assembled(np.ones(pulled.size), pulled, np.arange(pulled.size), shape)
+    pull = np.zeros((len(matrix), pulled.size))
+    pull[pulled, np.arange(pulled.size)] = 1.0
+    by_node = pairs.reshape(len(mesh.nodes), 2, -1)
+    own = (_frames(mesh.turns_rad).transpose(0, 2, 1) @ by_node).reshape(pairs.shape)
+    lands.transform(own)
     prescribed = np.concatenate([lands.degrees, held])
-    forces = hstack([basis.T @ pairs, pull, *([lands.forces] if sliding else [])]).toarray()
+    forces = np.hstack([own, pull, *([lands.forces] if sliding else [])])
     columns, direct = _columns(matrix, forces, prescribed)
     sizes = (pairs.shape[1], pulled.size, sliding * lands.number.size, lands.number.size, held.size)
     kinds = np.repeat(list(Kind), sizes)
     loads = np.flatnonzero(kinds < (Kind.TIGHT if lifting else Kind.RADIAL))
     left, right = mesh.left[: None if cuts[0] else 0], mesh.right[: None if cuts[1] else 0]
-    cut = np.concatenate([degrees_of(left), degrees_of(right)])
-    inner = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate([prescribed, cut]))
-    solve, complement = condensed(matrix, inner, cut, account)
-    solved = solve(columns[inner])
+    cut = np.concatenate([left, right])
+    inner = np.ones(len(mesh.nodes), dtype=bool)
+    inner[cut] = False
+    cells = _coupled(mesh)
+    order = dissect(mesh.nodes, cells, inner=inner, kept=cut, unknowns=2)
+    found = condense_in_order(
+        _free_stiffness(matrix, prescribed, cells),
+        PLANE,
+        order,
+        columns.reshape(len(mesh.nodes), 2, -1),
+        account=account,
+    )
+    unknowns = len(matrix) - 2 * cut.size - prescribed.size
     if account is not None:
         normal = int((kinds[loads] != Kind.SLIDING).sum())
         account.count(unit_loads_normal=normal, unit_loads_tangential=loads.size - normal)
-        account.count(fe_unknowns=inner.size)
-        account.workspace_bytes += columns.nbytes + solved.nbytes
-    local = columns[inner].T @ solved[:, loads] + direct[:, loads]
-    carried = columns[cut] - matrix[cut][:, inner] @ solved
+        account.count(fe_unknowns=unknowns, fe_solutions=columns.shape[1])
+        account.workspace_bytes += matrix.nbytes + columns.nbytes
+    local = found.local[0][:, loads] + direct[:, loads]
     return Piece(
-        cell=_cell(local, carried, complement, degrees_of(left).size),
+        cell=_cell(local, found.carried[0], found.stiffness, 2 * left.size),
         kinds=kinds,
         flanks=flanks,
         land=lands.number,
         land_angle_rad=lands.angle_rad,
-        degrees_of_freedom=inner.size,
+        degrees_of_freedom=unknowns,
     )
 
 
-def _columns(matrix: csc_array, forces: Floats, prescribed: Numbers) -> tuple[Floats, Floats]:
-    """Nodal forces of all columns, and their direct response.
+def _columns(matrix: Floats, forces: Floats, prescribed: Numbers) -> tuple[Floats, Floats]:
+    """Nodal forces of all columns on the other degrees of freedom, and their direct response.
 
     The columns of `forces` come first, then unit displacements of the `prescribed` degrees of
     freedom, whose output is the negative reaction.
     """
-    held = matrix[:, prescribed].toarray()
+    held = matrix[:, prescribed]
     columns, loads = np.hstack([forces, -held]), forces.shape[1]
+    columns[prescribed] = 0.0
     direct = np.zeros((columns.shape[1],) * 2)
     direct[loads:, :loads] = forces[prescribed]
     direct[:loads, loads:] = forces[prescribed].T
     direct[loads:, loads:] = -held[prescribed]
     return columns, direct
+
+
+def _free_stiffness(
+    matrix: Floats, prescribed: Numbers, cells: Sequence[Numbers]
+) -> SectionStiffness:
+    """Blocks of a stiffness (2N, 2N) without the coupling to prescribed degrees of freedom."""
+    nodes = len(matrix) // 2
+    pairs = [
+        np.repeat(part, part.shape[1], axis=1) * nodes + np.tile(part, part.shape[1])
+        for part in cells
+    ]
+    rows, columns = np.divmod(np.unique(np.concatenate([part.ravel() for part in pairs])), nodes)
+    free = np.ones((nodes, 2))
+    free.ravel()[prescribed] = 0.0
+    blocks = matrix.reshape(nodes, 2, nodes, 2)[rows, :, columns]
+    blocks *= free[rows][:, :, None] * free[columns][:, None, :]
+    own = np.flatnonzero(rows == columns)
+    for k in range(2):
+        held = own[free[rows[own], k] == 0.0]
+        blocks[held, k, k] = matrix.diagonal()[2 * rows[held] + k]
+    return SectionStiffness(rows, columns, blocks[:, None], nodes, np.zeros_like(rows))
+
+
+def _coupled(mesh: BeltMesh) -> list[Numbers]:
+    """Elements, and for each edge on lands those around its ends, whose nodes it couples."""
+    found = [cells for _, cells in mesh.cells]
+    for line in mesh.lands.values():
+        for edge in pairwise(line[::2].tolist()):
+            beside = [cells[np.isin(cells, edge).any(axis=1)].ravel() for _, cells in mesh.cells]
+            found.append(np.unique(np.concatenate(beside))[None])
+    return found
 
 
 def _cell(local: Floats, carried: Floats, complement: Floats, left: int) -> RowCell:
@@ -145,14 +191,30 @@ def _cell(local: Floats, carried: Floats, complement: Floats, left: int) -> RowC
     )
 
 
-def _stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
-    """Stiffness of the elements and of the cord, per mm of width."""
+def _matrix(strip: Strip, mesh: BeltMesh, lands: Lands) -> Floats:
+    """Stiffness (2N, 2N) of elements and cord, per mm of width, outwards and along the turn.
+
+    In terms of the displacements of the shape functions on lands.
+    """
     solid = stiffness(mesh.nodes, mesh.cells, strip.material, "strain")
-    return (solid + cord_stiffness(strip, mesh)).tocsc()
+    bars, cord = cord_stiffness(strip, mesh)
+    rows = np.concatenate([solid.rows, np.repeat(bars, 3, axis=1).ravel()])
+    columns = np.concatenate([solid.columns, np.tile(bars, 3).ravel()])
+    by_pairs = cord.reshape(-1, 3, 2, 3, 2).transpose(0, 1, 3, 2, 4).reshape(-1, 2, 2)
+    frames = _frames(mesh.turns_rad)
+    blocks = np.concatenate([solid.blocks[:, 0], by_pairs])
+    blocks = frames[rows].transpose(0, 2, 1) @ blocks @ frames[columns]
+    whole = np.zeros((2 * len(mesh.nodes),) * 2)
+    np.add.at(
+        whole.reshape(len(mesh.nodes), 2, -1, 2).transpose(0, 2, 1, 3), (rows, columns), blocks
+    )
+    for side in (whole, whole.T):
+        lands.transform(side)
+    return whole
 
 
-def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
-    """Stiffness (2N, 2N) of quadratic bars along the cord, and of the tension in them.
+def cord_stiffness(strip: Strip, mesh: BeltMesh) -> tuple[Numbers, Floats]:
+    """Nodes (E, 3) and stiffness (E, 6, 6) of quadratic bars along the cord and their tension.
 
     Per mm of width. The tension resists the slope of the radial displacement alone: the slope of
     the bar's own normal would resist sliding around the pulley, too. Only on the pulley: nothing
@@ -173,18 +235,10 @@ def cord_stiffness(strip: Strip, mesh: BeltMesh) -> csc_array:
         slope = (slopes[:, None] * outwards).reshape(-1, 6) / length[:, None]
         for part, factor in ((strain, strip.cord_N_per_mm), (slope, taut)):
             blocks += (factor * length)[:, None, None] * part[:, :, None] * part[:, None, :]
-    degrees = (2 * bars[:, :, None] + np.arange(2)).reshape(-1, 6)
-    rows = np.repeat(degrees, 6, axis=1).ravel()
-    columns = np.tile(degrees, (1, 6)).ravel()
-    return assembled(blocks.ravel(), rows, columns, (2 * len(mesh.nodes), 2 * len(mesh.nodes)))
+    return bars, blocks
 
 
-def _frames(turns_rad: Floats) -> csc_array:
-    """Columns outwards and along the turn at each node, in x and y."""
+def _frames(turns_rad: Floats) -> Floats:
+    """Unit vectors outwards and along the turn at each node, as columns (N, 2, 2)."""
     cosine, sine = np.cos(turns_rad), np.sin(turns_rad)
-    first = 2 * np.arange(turns_rad.size)
-    rows = np.concatenate([first, first + 1, first, first + 1])
-    columns = np.concatenate([first, first, first + 1, first + 1])
-    values = np.concatenate([cosine, sine, -sine, cosine])
-    size = 2 * turns_rad.size
-    return assembled(values, rows, columns, (size, size))
+    return np.array([[cosine, -sine], [sine, cosine]]).transpose(2, 0, 1)

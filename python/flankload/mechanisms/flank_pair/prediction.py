@@ -17,9 +17,8 @@ from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance.tip_force import has_turned_forces
 from flankload.elasticity.condensed_sector import IN_PLANE
-from flankload.elasticity.finite_elements import MANY_KEPT
 from flankload.elasticity.prism import prism_unknowns
-from flankload.elasticity.sector_closure import sector_unknowns
+from flankload.elasticity.sector_closure import unknowns_of
 from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of
 from flankload.mechanisms.stage_clock import elements_stage
 from flankload.scene.axial import degrees_of
@@ -40,7 +39,6 @@ WORD = 8
 FURTHER = (
     "fe_load_cases_growth",
     "bore_reactions",
-    "cut_columns",
     "stress_recoveries",
     "coast_readings",
     "corner_readings",
@@ -55,9 +53,8 @@ def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """Count the work of a run whose positions are not yet added.
 
     By stages, as `result.cost["stages"]` names them, then by counters: those that are known,
-    including zeros. Exact, with two rare exceptions: a state that runs out of workspace is solved
-    again, and cuts whose factors need other pivots are solved for one by one. The final number of
-    adaptive positions is unknown.
+    including zeros. Exact, with a rare exception: a state that runs out of workspace is solved
+    again. The final number of adaptive positions is unknown.
     """
     known = pair.body_1.flank_angle_known and pair.body_2.flank_angle_known
     # files that give the places of the flanks take a state without load
@@ -93,17 +90,13 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         return found | {"bytes": _prism_bytes(body, counted, recovered * (degrees[0] + 1))}
     # a sharp tip moves along the flank, too
     corners = not pair.effects.nodal_near_field and has_turned_forces(body)
-    if pair.effects.single_tooth or not isinstance(body.mesh, SectorMesh):
-        found = _whole(body, work, modes, growth)
-    else:
-        rim = RIM_LOADS if job.rim else 0
-        found = _sector(body.mesh, work, modes, growth, places, corners=int(corners), rim=rim)
     if body.mesh is None:
-        return found
-    if isinstance(body.mesh, SectorMesh):
-        found["fe_unknowns"] = sector_unknowns(body.mesh, held=pair.effects.single_tooth)
-    else:
-        found["fe_unknowns"] = 2 * (len(body.mesh.nodes) - len(body.mesh.fixed_nodes))
+        return _solved(0, 0, 0)
+    tooth = pair.effects.single_tooth
+    rim = RIM_LOADS if job.rim else 0
+    counts = modes, growth, places
+    found = _plane(body.mesh, work, *counts, corners=int(corners), rim=rim, tooth=tooth)
+    found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth)
     counted = _without_unasked(found, pair.effects)
     if job.rim:  # its response is part of larger arrays
         return found
@@ -152,20 +145,8 @@ def _is_estimated(pair: ElasticBodies, z: int) -> bool:
     return elastic and not pair.effects.nodal_near_field
 
 
-def _whole(body: Body, work: Work, modes: int, growth: int) -> dict[str, int]:
-    """Work of elements without cuts, or with fixed cuts.
-
-    Stresses come from the solutions of the load cases. Zero for a body with imported compliance.
-    """
-    if body.mesh is None:
-        return _solved(0, 0, 0)
-    flanks = len(body.mesh.flanks) if isinstance(body.mesh, WholeMesh) else 1
-    normal, tangential = (round(part) * modes * flanks for part in _loads(work))
-    return _solved(round(work.factorisations), normal, tangential, fe_load_cases_growth=growth)
-
-
-def _sector(
-    mesh: SectorMesh,
+def _plane(
+    mesh: SectorMesh | WholeMesh,
     work: Work,
     modes: int,
     growth: int,
@@ -173,18 +154,23 @@ def _sector(
     *,
     corners: int,
     rim: int,
+    tooth: bool,
 ) -> dict[str, int]:
-    """Work of a sector: a solution for each unknown of its cuts, or one factorisation for many."""
-    cuts = 2 * (len(mesh.left_nodes) + len(mesh.right_nodes))
-    many = cuts > MANY_KEPT
-    normal, tangential = (round(part) * modes for part in _loads(work))
+    """Work of a plane mesh; `tooth`: with fixed cuts.
+
+    Without cuts or with fixed ones, readings come from the solutions of the load cases.
+    """
+    flanks = len(mesh.flanks)
+    normal, tangential = (round(part) * modes * flanks for part in _loads(work))
+    factorisations = round(work.factorisations)
+    if tooth or not isinstance(mesh, SectorMesh):
+        return _solved(factorisations, normal, tangential, fe_load_cases_growth=growth)
     return _solved(
-        round(work.factorisations) + many,
+        factorisations,
         normal + rim,
         tangential,
         fe_load_cases_growth=growth,
         bore_reactions=IN_PLANE.size if mesh.has_free_bore else 0,
-        cut_columns=0 if many else cuts,
         stress_recoveries=round(work.recoveries) * places,
         coast_readings=round(work.coast_readings) * modes,
         corner_readings=corners,
@@ -213,7 +199,7 @@ def _loads(work: Work) -> tuple[float, float]:
 
 
 def _solved(factorisations: int, normal: int, tangential: int, **further: int) -> dict[str, int]:
-    """Counters of the finite elements; each of `FURTHER` is a solution."""
+    """Counters of the finite elements; each of `FURTHER` is a column of the elimination."""
     more = dict.fromkeys(FURTHER, 0) | further
     return {
         "fe_factorisations": factorisations,

@@ -13,8 +13,8 @@ import numpy as np
 from flankload.base.arguments import is_number
 from flankload.base.files import read_file
 from flankload.contact import ContactState, solve_contact, solve_contact_general
+from flankload.elasticity.axial_basis import mode_norms_z
 from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
-from flankload.elasticity.prism.axial_basis import mode_norms_z
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.errors import SceneError, reason_of
 from flankload.mechanisms.registry import mechanism_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.polynomial.legendre import Legendre, leggauss
 
-from flankload.elasticity.prism.axial_basis import AxialBasis
+from flankload.elasticity.axial_basis import AxialBasis
 from tests.support.tolerances import ROUND_OFF
 
 BASIS = AxialBasis((-3.0, 11.0), 7)

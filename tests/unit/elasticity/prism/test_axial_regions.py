@@ -12,17 +12,17 @@ from scipy.sparse import csc_array
 
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity.compliance import BodyCompliance
-from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.prism import Prism, prism_compliance
-from flankload.elasticity.prism.axial_basis import (
+from flankload.elasticity.axial_basis import (
     AxialBasis,
     AxialRegions,
     cross_terms,
     functions_of,
 )
-from flankload.elasticity.prism.condensation import condense_prism
-from flankload.elasticity.prism.section_stiffness import section_stiffness
+from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.finite_elements import section_stiffness
+from flankload.elasticity.fronts.condensation import condense_nodes
+from flankload.elasticity.near_field import mode_loads
+from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.elasticity.sector_closure import close_ring
 from tests.support.plain_prism import product_loads, unknowns, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
@@ -141,7 +141,7 @@ def test_it_is_the_schur_complement_of_the_whole_matrix(twist: float) -> None:
     coupling = matrix[inner][:, kept].toarray()
     moved = np.linalg.solve(matrix[inner][:, inner].toarray(), np.hstack([loads[inner], coupling]))
     by_loads, by_cuts = np.split(moved, [loads.shape[1]], axis=1)
-    found = condense_prism(
+    found = condense_nodes(
         section,
         axial,
         mesh,
@@ -167,7 +167,7 @@ def test_widths_about_one_middle_leave_two_problems_of_half_the_size() -> None:
         assert functions.symmetric is symmetric
         section = section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.0, numbers)
         one, two = (
-            condense_prism(section, functions, mesh, loads, cut_degree=2, twisted=twisted)
+            condense_nodes(section, functions, mesh, loads, cut_degree=2, twisted=twisted)
             for twisted in (False, True)
         )
         largest = np.abs(two.local[0]).max()
@@ -179,7 +179,7 @@ def test_the_response_is_positive_definite() -> None:
     loads = product_loads(
         mode_loads(mesh, span, 3, twist=0.03), AxialBasis(WIDE, 6).load_vectors(2)
     )
-    sector = condense_prism(
+    sector = condense_nodes(
         section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.03, numbers),
         axial,
         mesh,

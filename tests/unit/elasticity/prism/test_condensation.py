@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
+from flankload.elasticity import finite_elements
+from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.condensed_sector import CondensedSector
-from flankload.elasticity.finite_elements import INTEGRATION_DEGREE, stiffness
+from flankload.elasticity.finite_elements import section_stiffness, stiffness
+from flankload.elasticity.fronts.condensation import condense_nodes
+from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.prism import section_stiffness as section_module
-from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.condensation import condense_prism
-from flankload.elasticity.prism.dissection import dissect
-from flankload.elasticity.prism.section_stiffness import section_stiffness
 from flankload.elasticity.sector_closure import close_ring, condense
 from tests.support.plain_prism import (
     full_prism_ring,
@@ -36,7 +35,7 @@ def _condensed(
     loads = product_loads(
         mode_loads(mesh, span, 3, twist=twist), axial.load_vectors(min(2, degree))
     )
-    return condense_prism(
+    return condense_nodes(
         section_stiffness(mesh.nodes, mesh.cells, STEEL, twist),
         axial,
         mesh,
@@ -78,7 +77,7 @@ def test_it_is_the_schur_complement_of_the_whole_matrix(twist: float, cut_degree
         stiffness=matrix[kept][:, kept].toarray() - coupling.T @ by_cuts,
         components=3,
     )
-    found = condense_prism(
+    found = condense_nodes(
         section,
         AXIAL,
         mesh,
@@ -109,7 +108,7 @@ def test_the_two_halves_of_a_straight_prism_are_the_whole() -> None:
 def test_a_prism_that_cannot_bend_or_stretch_is_in_plane_strain(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(section_module, "SECTION_DEGREE", INTEGRATION_DEGREE["quad9"])
+    monkeypatch.setattr(finite_elements, "PRISM_DEGREE", finite_elements.PLANE_DEGREE)
     mesh, span = ring_sector(TEETH, rows=2, columns=4)
     found = close_ring(_condensed(mesh, span, twist=0.0, cut_degree=0, degree=0), TEETH)
     plane = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
@@ -124,15 +123,12 @@ def test_every_inner_node_is_eliminated_once_and_fronts_stay_small() -> None:
     kept = np.concatenate([mesh.left_nodes, mesh.right_nodes])
     inner = np.ones(len(mesh.nodes), dtype=bool)
     inner[kept] = inner[mesh.fixed_nodes] = False
-    loaded = np.zeros_like(inner)
-    loaded[mesh.flank_edges] = True
-    fronts, position = dissect(
-        mesh.nodes, [cells for _, cells in mesh.cells], inner=inner, kept=kept, loaded=loaded
-    )
+    cells = [cells for _, cells in mesh.cells]
+    order = dissect(mesh.nodes, cells, inner=inner, kept=kept, unknowns=6)
+    fronts, position = order.fronts, order.position
     own = np.concatenate([front.own for front in fronts])
     assert np.array_equal(np.sort(own), np.flatnonzero(inner))
     assert np.array_equal(position[own], np.arange(own.size))
     assert np.array_equal(np.argsort(position)[-kept.size :], kept)
-    assert fronts[-1].inner == 0
-    assert fronts[-1].loaded
+    assert np.isin(fronts[-1].rest, kept).all()
     assert max(front.own.size for front in fronts) < 0.06 * own.size

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from flankload.bodies.shaft import FlexibleShaft
+from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.condensed_sector import CondensedSector
+from flankload.elasticity.finite_elements import SectionStiffness, section_stiffness
+from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.condensation import condense_prism
 from flankload.elasticity.prism.flexible_bore import FlexibleBore, beam_stiffness
-from flankload.elasticity.prism.section_stiffness import SectionStiffness, section_stiffness
 from flankload.elasticity.sector_closure import close_ring
 from tests.support.plain_prism import product_loads, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
@@ -66,7 +66,7 @@ def _bore(twist: float, carrying: FlexibleShaft) -> tuple[FlexibleBore, np.ndarr
 
 def _sector(twist: float, loads: np.ndarray) -> CondensedSector:
     section = _section(twist)
-    return condense_prism(section, AXIAL, MESH, loads, cut_degree=3, twisted=twist != 0.0)
+    return condense_nodes(section, AXIAL, MESH, loads, cut_degree=3, twisted=twist != 0.0)
 
 
 @cache

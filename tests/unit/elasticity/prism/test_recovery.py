@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flankload.elasticity.axial_basis import AxialBasis
+from flankload.elasticity.finite_elements import section_stiffness
+from flankload.elasticity.fronts.condensation import condense_nodes
+from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.condensation import condense_prism
-from flankload.elasticity.prism.recovery import Recovery
-from flankload.elasticity.prism.section_stiffness import section_stiffness
 from tests.support.plain_prism import product_loads, unknowns, whole_stiffness
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear_body
@@ -30,7 +30,7 @@ class Sector:
         loads = mode_loads(mesh, span, 3, twist=twist)
         self.loads = product_loads(loads, AXIAL.load_vectors(2))
         self.recovery = Recovery(nodes)
-        self.condensed = condense_prism(
+        self.condensed = condense_nodes(
             section,
             AXIAL,
             mesh,
@@ -86,15 +86,22 @@ def test_few_nodes_need_few_fronts(twist: float) -> None:
     cut = every.mesh.left_nodes[-1:]  # a node of a cut is one of them
     few = Sector(twist, nodes)
     assert 0 < few.recovery.bytes < 0.7 * every.recovery.bytes
-    count = every.loads.shape[1]
-    by_loads, by_cuts = few.recovery.unit_displacements(np.append(nodes, cut), count)
-    kept, _ = every.recovery.reduced(every.by_node(every.loads))
-    cuts = np.eye(every.kept.size)
-    n = len(every.mesh.nodes)
-    wanted = every.recovery.displacements(kept, np.zeros((len(cuts), count)), n)
-    np.testing.assert_allclose(by_loads[:-1], wanted[nodes], atol=CLOSURE * np.abs(wanted).max())
-    assert not by_loads[-1].any()
-    nothing, _ = every.recovery.reduced(np.zeros((n, 3 * AXIAL.count, len(cuts))))
-    moved = every.recovery.displacements(nothing, cuts, n)
-    np.testing.assert_allclose(by_cuts[:-1], moved[nodes], atol=CLOSURE)
-    np.testing.assert_array_equal(by_cuts[-1], moved[cut[0]])
+    readings = np.zeros((len(every.mesh.nodes), 3 * AXIAL.count, 2))
+    readings[np.append(nodes, cut)] = np.random.default_rng(4).normal(size=(3, 3 * AXIAL.count, 2))
+    found, wanted = (
+        each.recovery.read(
+            each.condensed,
+            readings,
+            each.recovery.under_loads(len(readings), 0, each.loads.shape[1]),
+        )
+        for each in (few, every)
+    )
+    for parts in ("local", "carried"):
+        own, other = getattr(found, parts)[1], getattr(wanted, parts)[1]
+        np.testing.assert_allclose(own, other, rtol=0, atol=CLOSURE * np.abs(other).max())
+    # by reciprocity, the forces of readings as loads
+    kept, carried = every.recovery.reduced(readings)
+    moved = every.recovery.displacements(kept, np.zeros_like(carried), len(readings))
+    local = moved.reshape(-1, 2).T @ every.loads
+    np.testing.assert_allclose(found.local[1], local, rtol=0, atol=CLOSURE * np.abs(local).max())
+    np.testing.assert_allclose(found.carried[1], carried, atol=CLOSURE * np.abs(carried).max())

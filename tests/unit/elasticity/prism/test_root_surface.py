@@ -10,10 +10,10 @@ import pytest
 
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
+from flankload.elasticity.axial_basis import AxialBasis, AxialRegions
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.elasticity.prism import compliance as compliance_module
-from flankload.elasticity.prism.axial_basis import AxialBasis, AxialRegions
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear

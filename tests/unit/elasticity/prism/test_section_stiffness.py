@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flankload.elasticity.finite_elements import INTEGRATION_DEGREE, stiffness
-from flankload.elasticity.prism import section_stiffness as section
-from flankload.elasticity.prism.axial_basis import AxialBasis
-from flankload.elasticity.prism.section_stiffness import section_stiffness
+from flankload.elasticity import finite_elements
+from flankload.elasticity.axial_basis import AxialBasis
+from flankload.elasticity.finite_elements import section_stiffness
 from tests.support.plain_prism import whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
+from tests.support.plane_stiffness import plane_stiffness
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 AXIAL = AxialBasis((-2.0, 5.0), 3)
@@ -33,8 +33,8 @@ def _matrix(twist: float):
 
 
 def test_without_axial_motion_it_is_plane_strain(monkeypatch: pytest.MonkeyPatch) -> None:
-    plane = stiffness(MESH.nodes, MESH.cells, STEEL, "strain").toarray()
-    monkeypatch.setattr(section, "SECTION_DEGREE", INTEGRATION_DEGREE["quad9"])
+    monkeypatch.setattr(finite_elements, "PRISM_DEGREE", finite_elements.PLANE_DEGREE)
+    plane = plane_stiffness(MESH.nodes, MESH.cells, STEEL, "strain").toarray()
     straight = section_stiffness(MESH.nodes, MESH.cells, STEEL, 0.0)
     whole = whole_stiffness(straight, AxialBasis((0.0, 1.0), 0)).toarray()
     in_plane = np.flatnonzero(np.arange(3 * len(MESH.nodes)) % 3 < 2)

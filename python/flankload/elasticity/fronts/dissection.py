@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Flags, Floats, Numbers
 
-#: Largest number of nodes of a part that is not bisected.
-LEAF = 12
+#: Unknowns, and least number of nodes, of the largest part that is not bisected. Measured: smaller
+#: fronts cost more calls in the plane, larger ones more operations in three dimensions.
+LEAF_UNKNOWNS, LEAF_NODES = 64, 6
 #: Number of directions that are tried for the bisection of a part.
 DIRECTIONS = 8
 
@@ -32,30 +33,56 @@ class Front:
     rest : (r,) array
         Nodes of the boundary: first those that are eliminated later, in their order, then kept
         ones.
-    inner : int
-        Number of nodes of `rest` that are eliminated later.
     parts : tuple of int
         Fronts whose remainders are added to this one.
-    loaded : bool
-        Whether one of the nodes eliminated so far has a load.
     """
 
     own: Numbers
     rest: Numbers
-    inner: int
     parts: tuple[int, ...]
-    loaded: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Dissection:
+    """Elimination order of the nodes of a mesh.
+
+    Attributes
+    ----------
+    fronts : list of Front
+        Each after its parts; the boundary of the last one are the kept nodes.
+    order : (P,) array
+        Nodes in the order of elimination, followed by the kept ones.
+    position : (N,) array
+        Position of each node in `order`, -1 for other nodes.
+    inner : int
+        Number of nodes that are eliminated.
+    """
+
+    fronts: list[Front]
+    order: Numbers
+    position: Numbers
+    inner: int
 
 
 def dissect(
-    places: Floats, cells: Sequence[Numbers], *, inner: Flags, kept: Numbers, loaded: Flags
-) -> tuple[list[Front], Numbers]:
-    """Fronts of a mesh, each after its parts; the boundary of the last one are the kept nodes.
+    places: Floats, cells: Sequence[Numbers], *, inner: Flags, kept: Numbers, unknowns: int
+) -> Dissection:
+    """Fronts of a mesh.
 
-    Arguments: positions (N, 2) of the nodes, mm, cells (E, k) by kind, whether a node is eliminated
-    (N,), kept nodes (c,), whether a node has loads (N,). Also returns the position of each node
-    (N,) in the order of elimination: kept nodes are last, -1 for other nodes.
+    Parameters
+    ----------
+    places : (N, 2) array
+        Positions of the nodes, mm.
+    cells : sequence of (E, k) arrays
+        Elements by kind.
+    inner : (N,) array of bool
+        Nodes to be eliminated.
+    kept : (c,) array
+        Kept nodes; others are fixed.
+    unknowns : int
+        Number of unknowns of a node.
     """
+    leaf = max(LEAF_NODES, LEAF_UNKNOWNS // unknowns)
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
     element = np.repeat(np.arange(sizes.size), sizes)
     node = np.concatenate([part.ravel() for part in cells])
@@ -66,18 +93,19 @@ def dissect(
     def split(element: Numbers, node: Numbers) -> int:
         """Number of the front that eliminates the last nodes of these pairs."""
         own, below = np.flatnonzero(_among(node, inner.size)), []
-        if own.size > LEAF:
-            own, halves = _bisected(element, node, middles, inner.size)
-            below = [split(element[half], node[half]) for half in halves if half.any()]
+        if own.size > leaf:
+            shared, halves = _bisected(element, node, middles, inner.size)
+            if halves:
+                own = shared
+                below = [split(element[half], node[half]) for half in halves if half.any()]
         owns.append(own)
         parts.append(tuple(below))
         return len(owns) - 1
 
     split(element[inner[node]], node[inner[node]])
     position = np.full(inner.size, -1)
-    order = np.concatenate(owns)
+    order = np.concatenate([*owns, kept])
     position[order] = np.arange(order.size)
-    position[kept] = order.size + np.arange(kept.size)
     fronts: list[Front] = []
     for own, below in zip(owns, parts, strict=True):
         touched = _among(element[_among(own, inner.size)[node]], sizes.size)
@@ -85,9 +113,8 @@ def dissect(
         rest = np.flatnonzero(_among(np.concatenate(beside), inner.size))
         rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
-        carries = loaded[own].any() or any(fronts[part].loaded for part in below)
-        fronts.append(Front(own, rest, int(inner[rest].sum()), below, bool(carries)))
-    return fronts, position
+        fronts.append(Front(own, rest, below))
+    return Dissection(fronts, order, position, order.size - kept.size)
 
 
 def _among(numbers: Numbers, count: int) -> Flags:
@@ -102,20 +129,22 @@ def _bisected(
 ) -> tuple[Numbers, list[Flags]]:
     """Nodes that both halves share, and the pairs of each half without them.
 
-    Of some directions, the one with the fewest nodes; `nodes` is their number in the mesh.
+    Of some directions, the one with the fewest nodes; no halves if all elements are in one place.
+    `nodes` is the number of nodes of the mesh.
     """
     elements = np.flatnonzero(_among(element, len(middles)))
     best: tuple[Numbers, list[Flags]] | None = None
     for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
         along = middles @ [np.cos(turn), np.sin(turn)]
         ahead = along[element] > _middle(along[elements])
+        if not ahead.any():
+            continue
         shared = _among(node[ahead], nodes) & _among(node[~ahead], nodes)
         own = np.flatnonzero(shared)
         if best is None or own.size < best[0].size:
             free = ~shared[node]
             best = own, [ahead & free, ~ahead & free]
-    assert best is not None
-    return best
+    return (elements[:0], []) if best is None else best
 
 
 def _middle(values: Floats) -> np.float64:

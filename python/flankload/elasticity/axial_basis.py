@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import SectorMesh
-    from flankload.elasticity.prism.section_stiffness import SectionStiffness
+    from flankload.elasticity.finite_elements import SectionStiffness
 
 
 class AxialFunctions(ABC):

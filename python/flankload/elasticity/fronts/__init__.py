@@ -1,0 +1,1 @@
+"""Condensation of the elements of a body by a multifrontal method: dissection, fronts, recovery."""
