@@ -610,7 +610,7 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
     found = said(tight)
     first, knobs, tightened, of_itself, *missed = accuracy_lines(found)
     assert of_itself.startswith("peak to peak ")
-    assert first.startswith("0.4 %: not met, transmission error mean ")
+    assert first.startswith(f"{percent(TIGHT)}: not met, transmission error mean ")
     assert knobs.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
     assert " (modes 0." in knobs
     assert tightened.startswith("refined: flank_element_mm ")
