@@ -1,12 +1,12 @@
 ! Elimination of the unknowns of a finite-element mesh, front by front, through the flat interface.
 
-!> Add the stiffness between pairs of nodes to a front: sums of products of blocks of a plane section
-!> and of axial matrices. A row beyond the pivot belongs to the part below it.
+!> Add the stiffness between pairs of nodes to a front: sums of products of blocks of a section and
+!> of axial matrices. A row beyond the pivot belongs to the part below it.
 !>
 !> info = 0: done; -100 - i: argument i is invalid.
-subroutine flankload_front_stiffness(n_own, n_rest, n_unknowns, n_components, n_functions, n_terms, &
-        & n_blocks, n_kinds, n_pairs, unknowns, rows, columns, sizes, pairs, kinds, blocks, terms, &
-        & pivot, below, info)
+subroutine flankload_front_stiffness(n_own, n_rest, n_unknowns, n_components, n_functions, &
+        & n_terms, n_blocks, n_kinds, n_pairs, unknowns, rows, columns, sizes, pairs, kinds, blocks, &
+        & terms, pivot, below, info)
     use flankload_error, only: error_type, expect
     use flankload_front, only: add_stiffness
     use flankload_given_arrays, only: given_integers, given_reals
@@ -42,9 +42,9 @@ subroutine flankload_front_stiffness(n_own, n_rest, n_unknowns, n_components, n_
     !> Status, see above
     integer, intent(out) :: info
 
-    character(len=*), parameter :: signature = 'flankload_front_stiffness n_own n_rest n_unknowns '// &
-        & 'n_components n_functions n_terms n_blocks n_kinds n_pairs unknowns rows columns sizes '// &
-        & 'pairs kinds blocks terms pivot below'
+    character(len=*), parameter :: signature = 'flankload_front_stiffness n_own n_rest '// &
+        & 'n_unknowns n_components n_functions n_terms n_blocks n_kinds n_pairs unknowns rows columns '// &
+        & 'sizes pairs kinds blocks terms pivot below'
 
     type(error_type), allocatable :: error
 
