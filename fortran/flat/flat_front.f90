@@ -5,8 +5,8 @@
 !>
 !> info = 0: done; -100 - i: argument i is invalid.
 subroutine flankload_front_stiffness(n_own, n_rest, n_unknowns, n_components, n_functions, &
-        & n_terms, n_blocks, n_kinds, n_pairs, unknowns, rows, columns, sizes, pairs, kinds, blocks, &
-        & terms, pivot, below, info)
+        & n_terms, n_blocks, n_kinds, n_pairs, unknowns, rows, columns, sizes, pairs, kinds, &
+        & blocks, terms, pivot, below, info)
     use flankload_error, only: error_type, expect
     use flankload_front, only: add_stiffness
     use flankload_given_arrays, only: given_integers, given_reals
@@ -43,8 +43,8 @@ subroutine flankload_front_stiffness(n_own, n_rest, n_unknowns, n_components, n_
     integer, intent(out) :: info
 
     character(len=*), parameter :: signature = 'flankload_front_stiffness n_own n_rest '// &
-        & 'n_unknowns n_components n_functions n_terms n_blocks n_kinds n_pairs unknowns rows columns '// &
-        & 'sizes pairs kinds blocks terms pivot below'
+        & 'n_unknowns n_components n_functions n_terms n_blocks n_kinds n_pairs unknowns rows '// &
+        & 'columns sizes pairs kinds blocks terms pivot below'
 
     type(error_type), allocatable :: error
 
