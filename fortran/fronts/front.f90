@@ -1,7 +1,7 @@
 !> Assembly and elimination of one front of a finite-element mesh (multifrontal Cholesky).
 !>
-!> A front is the lower triangle of the symmetric matrix [[A, Bᵀ], [B, C]]: A of the unknowns that it
-!> eliminates (pivot), B between its boundary and these (below), C of its boundary (remainder). The
+!> A front is the lower triangle of the symmetric matrix [[A, Bᵀ], [B, C]]: A of the unknowns that
+!> it eliminates (pivot), B between its boundary and these (below), C of its boundary (remainder). The
 !> boundary is in the order of elimination, with columns of loads last. A = L Lᵀ, B L⁻ᵀ replaces B,
 !> and C - B A⁻¹ Bᵀ is passed on to a later front.
 module flankload_front
