@@ -1,9 +1,9 @@
 !> Assembly and elimination of one front of a finite-element mesh (multifrontal Cholesky).
 !>
-!> A front is the lower triangle of the symmetric matrix [[A, Bᵀ], [B, C]]: A of the unknowns that
-!> it eliminates (pivot), B between its boundary and these (below), C of its boundary (remainder). The
-!> boundary is in the order of elimination, with columns of loads last. A = L Lᵀ, B L⁻ᵀ replaces B,
-!> and C - B A⁻¹ Bᵀ is passed on to a later front.
+!> A front is the lower triangle of the symmetric matrix [[A, Bᵀ], [B, C]]: A of the unknowns
+!> that it eliminates (pivot), B between its boundary and these (below), C of its boundary
+!> (remainder). The boundary is in the order of elimination, with columns of loads last. With
+!> A = L Lᵀ, B L⁻ᵀ replaces B, and C - B A⁻¹ Bᵀ is passed on to a later front.
 module flankload_front
     use flankload_kinds, only: wp
     use flankload_lapack, only: potrf, solve_right, subtract_square
