@@ -69,7 +69,8 @@ subroutine flankload_front_stiffness(n_own, n_rest, n_unknowns, n_components, n_
         info = refusal(signature, error)
         return
     end if
-    call add_stiffness(unknowns, rows, columns, sizes, pairs, kinds, blocks, terms, pivot, below)
+    call add_stiffness(unknowns, reshape([rows, columns], [2, n_pairs], order=[2, 1]), sizes, &
+        & reshape([pairs, kinds], [2, n_pairs], order=[2, 1]), blocks, terms, pivot, below)
 end subroutine flankload_front_stiffness
 
 !> Add the remainder of an earlier front to a front.

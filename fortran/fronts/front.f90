@@ -16,19 +16,15 @@ contains
 
     !> Add the stiffness between pairs of nodes, the sum of products of section blocks and axial
     !> matrices. Nodes with fewer unknowns have the first ones.
-    pure subroutine add_stiffness(unknowns, rows, columns, sizes, pairs, kinds, blocks, terms, &
-            & pivot, below)
+    pure subroutine add_stiffness(unknowns, first, sizes, of, blocks, terms, pivot, below)
         !> Axial function and component of each unknown of a node, from 1, shape (2, number)
         integer, intent(in) :: unknowns(:, :)
-        !> First row and column of each pair in the front, from 0
-        integer, intent(in) :: rows(:)
-        integer, intent(in) :: columns(:)
-        !> Number of unknowns of both nodes, shape (2, size(rows))
+        !> First row and column of each pair in the front, from 0, shape (2, pairs)
+        integer, intent(in) :: first(:, :)
+        !> Number of unknowns of both nodes, shape (2, pairs)
         integer, intent(in) :: sizes(:, :)
-        !> Section block of each pair
-        integer, intent(in) :: pairs(:)
-        !> Axial matrices of each pair
-        integer, intent(in) :: kinds(:)
+        !> Section block and axial matrices of each pair, shape (2, pairs)
+        integer, intent(in) :: of(:, :)
         !> Blocks by component of the column, of the row, term, pair
         real(wp), intent(in) :: blocks(:, :, :, :)
         !> Axial matrices by function of the column, of the row, term, kind
@@ -40,11 +36,11 @@ contains
         integer :: i, j, k, row, column, own
 
         own = size(pivot, 1)
-        do k = 1, size(rows)
+        do k = 1, size(first, 2)
             do j = 1, sizes(2, k)
-                column = columns(k) + j
+                column = first(2, k) + j
                 do i = 1, sizes(1, k)
-                    row = rows(k) + i
+                    row = first(1, k) + i
                     if (row <= own) then
                         pivot(row, column) = pivot(row, column) + entry(i, j, k)
                     else
@@ -65,8 +61,8 @@ contains
 
             entry = 0.0_wp
             do term = 1, size(terms, 3)
-                entry = entry + blocks(unknowns(2, j), unknowns(2, i), term, pairs(k)) &
-                    & *terms(unknowns(1, j), unknowns(1, i), term, kinds(k))
+                entry = entry + blocks(unknowns(2, j), unknowns(2, i), term, of(1, k)) &
+                    & *terms(unknowns(1, j), unknowns(1, i), term, of(2, k))
             end do
         end function entry
 
