@@ -21,7 +21,6 @@ class PyFlankload(PythonPackage):
     depends_on("ninja@1.10:", type="build")
     depends_on("py-numpy@2:", type=("build", "run"))
     depends_on("py-scipy@1.13:", type="run")
-    depends_on("py-scikit-fem@12:", type="run")
     depends_on("py-meshio@5.3.5:", type="run")
     depends_on("py-msgspec@0.20:", type="run")
     depends_on("py-matplotlib@3.8.4:", type="run")

@@ -86,7 +86,7 @@ def run() -> str:
     )
     threads = os.environ.get("OMP_NUM_THREADS", "as many as there are cores,")
     rows = (
-        ("elements of both gears, first time (with the import of scikit-fem)", first, "elements"),
+        ("elements of both gears, first time", first, "elements"),
         ("elements of both gears, again", again, "elements"),
         (f"a position of {found.n_pairs.mean():.0f} pairs, {threads} thread(s)", each, "position"),
         ("import flankload and its contact loop, over numpy", import_seconds(), "import"),

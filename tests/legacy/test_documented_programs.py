@@ -232,7 +232,7 @@ def test_every_program_of_the_documentation_is_run() -> None:
 
 
 def test_every_procedure_has_a_program() -> None:
-    """But for those of the examples: tests of numbers, records in files; and for fronts of elements."""
+    """But for those of the examples (tests of numbers, records in files) and fronts of elements."""
     said = "".join(SOURCES.values()).lower()
     said += "flankload_double_vector flankload_integer_vector flankload_read_record"
     interface = [name for name in dir(_core) if re.match("flankload_(?!front_)", name)]
