@@ -65,9 +65,12 @@ def draw_planetary_stage(axes: Axes, results: Results, *, position: int | None =
         away = center / stage.center_distance_mm
         share = 100.0 * result.load_share[p, j]
         pin = stage.pin_force_N[p, j]
-        x, y = center - BESIDE * rim * pin / (np.hypot(*pin) or 1.0)
+        behind = -pin / (np.hypot(*pin) or 1.0)
+        # words beside an arrow that is level begin or end behind it
+        anchor = ("right", "center", "left")[int(np.rint(behind[0])) + 1]
+        x, y = center + BESIDE * rim * behind
         words = f"{j + 1}: {share:.1f} %"
-        axes.text(x, y, words, ha="center", va="center", fontsize=9, zorder=5)
+        axes.text(x, y, words, ha=anchor, va="center", fontsize=9, zorder=5)
         at_mesh = (
             stage.center_distance_mm * stage.teeth[0] / (stage.teeth[0] + stage.teeth[1])
         ) * away
