@@ -51,16 +51,16 @@ def table(found: list[dict[str, Any]]) -> list[str]:
         f"{'':34}scenes  below estimate  estimate < 10 error  median of both",
     ]
     for quantity in QUANTITIES:
-        errors = [(one["true"].get(quantity, np.nan), one["told"][quantity]) for one in found]
+        errors = [(one["true"].get(quantity, np.nan), one["estimated"][quantity]) for one in found]
         both = np.array(errors, dtype=float)
         if np.isnan(both).all(axis=0).any():  # line loads of plane scenes
             continue
         least = LEAST_SHARE if quantity == "load_share" else LEAST
-        true, told = both[np.isfinite(both).all(axis=1) & (both[:, 0] > least)].T
+        true, estimated = both[np.isfinite(both).all(axis=1) & (both[:, 0] > least)].T
         lines.append(
-            f"{quantity:34}{true.size:6}{100 * np.mean(true <= told):14.0f} %"
-            f"{100 * np.mean(told < 10 * true):19.0f} %"
-            f"{100 * np.median(true):10.3f} % {100 * np.median(told):.3f} %"
+            f"{quantity:34}{true.size:6}{100 * np.mean(true <= estimated):14.0f} %"
+            f"{100 * np.mean(estimated < 10 * true):19.0f} %"
+            f"{100 * np.median(true):10.3f} % {100 * np.median(estimated):.3f} %"
         )
     price = [one["price"] for one in found]
     lines.append(

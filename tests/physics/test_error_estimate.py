@@ -44,7 +44,7 @@ LEAST_COVERED, LEAST_NEAR = 0.85, 0.75
 MOST_MEDIAN = 4.0
 #: How far smoothed stresses may be off the true loss, below and above, on default elements:
 #: measured 0.5 to 1.0 in the mean over the flank of toothed bodies.
-LEAST_TOLD, MOST_TOLD = 0.4, 1.3
+LEAST_ESTIMATED, MOST_ESTIMATED = 0.4, 1.3
 #: Of the loss of a follower, at its arm's sharp corners above all, the part that is gone with
 #: elements half as long: 0.65; of followers whose corners keep their elements 0.1 to 0.2.
 LEAST_GONE = 0.5
@@ -78,9 +78,9 @@ def test_smoothed_stresses_estimate_the_error_of_the_elements(k: int) -> None:
     places, count = np.linspace(low, high, 41), len(coarse.smooth[0])
     at = mode_values(places, (low, high), count, tip=coarse.modes.tip)
     true = np.einsum("xa,ab,xb->x", at, fine.smooth[0] - coarse.smooth[0], at)
-    told = np.einsum("xa,ab,xb->x", at, coarse.fe_error[0], at)
+    estimated = np.einsum("xa,ab,xb->x", at, coarse.fe_error[0], at)
     assert np.linalg.eigvalsh(coarse.fe_error[0]).min() > 0
-    assert LEAST_TOLD < told.mean() / true.mean() < MOST_TOLD
+    assert LEAST_ESTIMATED < estimated.mean() / true.mean() < MOST_ESTIMATED
 
 
 def test_corners_of_a_follower_shrink_with_its_elements() -> None:
@@ -136,11 +136,11 @@ def test_estimate_is_honest() -> None:
     both = []
     for k in SAMPLE:
         found = compared(scenes(k + 1)[k][1], finer=FINER)
-        both += [(found["true"][name], found["told"][name]) for name in (*POINTWISE, *OVERALL)]
-    true, told = np.array(both).T
-    assert np.mean(true <= told) >= LEAST_COVERED
-    assert np.mean(told < 10 * true) >= LEAST_NEAR
-    assert np.median(told / true) <= MOST_MEDIAN
+        both += [(found["true"][name], found["estimated"][name]) for name in (*POINTWISE, *OVERALL)]
+    true, estimated = np.array(both).T
+    assert np.mean(true <= estimated) >= LEAST_COVERED
+    assert np.mean(estimated < 10 * true) >= LEAST_NEAR
+    assert np.median(estimated / true) <= MOST_MEDIAN
 
 
 def test_every_source_is_named() -> None:

@@ -188,7 +188,7 @@ def compared(
     stages = {name: stage["cpu_s"] for name, stage in result.cost["stages"].items()}
     return {
         "true": true_errors(result, truth or finer_solution(scene, finer)),
-        "told": {name: result.estimate.get(name, np.nan) for name in QUANTITIES},
+        "estimated": {name: result.estimate.get(name, np.nan) for name in QUANTITIES},
         "price": stages["estimate"] / sum(stages.values()),
     }
 

@@ -67,8 +67,10 @@ def of_positions(
 
 
 def _of_largest(values: Floats) -> RemainingError:
-    """Error of the largest of the values: a curve that jumps beside the sample goes on for a step
-    at most, with the slope of its other side.
+    """Error of the largest value.
+
+    A curve that jumps beside the sample continues for one step at most, with the slope of its
+    other side.
     """
     at = int(values.argmax())
     beside = max(values[at - 1], values[(at + 1) % values.size])

@@ -52,7 +52,7 @@ class Explorer:
         self._numbers, self._lock, self._closed = count(1), Lock(), Event()
         self._pages: set[Page] = set()
         self._rested: Answer | None = None
-        self._told = 0
+        self._shown = 0
         self._worker = Worker(scene, self.keys, self._tell, self._progress)
         self._worker.derived_keys = self.shown
         mechanism = mechanism_of(scene)
@@ -201,9 +201,9 @@ class Explorer:
 
     def _tell(self, answer: Answer) -> None:
         with self._lock:
-            if answer.request.number < self._told:
+            if answer.request.number < self._shown:
                 return
-            self._told = answer.request.number
+            self._shown = answer.request.number
         if answer.at_rest and answer.result is not None:
             self._rested = answer
             if not self.trail or self.trail[-1].request.values != answer.request.values:
