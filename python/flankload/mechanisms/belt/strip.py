@@ -198,16 +198,18 @@ def _matrix(strip: Strip, mesh: BeltMesh, lands: Lands) -> Floats:
     """
     solid = stiffness(mesh.nodes, mesh.cells, strip.material, "strain")
     bars, cord = cord_stiffness(strip, mesh)
-    rows = np.concatenate([solid.rows, np.repeat(bars, 3, axis=1).ravel()])
-    columns = np.concatenate([solid.columns, np.tile(bars, 3).ravel()])
-    by_pairs = cord.reshape(-1, 3, 2, 3, 2).transpose(0, 1, 3, 2, 4).reshape(-1, 2, 2)
     frames = _frames(mesh.turns_rad)
-    blocks = np.concatenate([solid.blocks[:, 0], by_pairs])
-    blocks = frames[rows].transpose(0, 2, 1) @ blocks @ frames[columns]
+
+    def turned(rows: Numbers, columns: Numbers, blocks: Floats) -> Floats:
+        return frames[rows].transpose(0, 2, 1) @ blocks @ frames[columns]
+
     whole = np.zeros((2 * len(mesh.nodes),) * 2)
-    np.add.at(
-        whole.reshape(len(mesh.nodes), 2, -1, 2).transpose(0, 2, 1, 3), (rows, columns), blocks
-    )
+    by_nodes = whole.reshape(len(mesh.nodes), 2, -1, 2).transpose(0, 2, 1, 3)
+    pairs = solid.rows, solid.columns
+    by_nodes[pairs] = turned(*pairs, solid.blocks[:, 0])
+    pairs = np.repeat(bars, 3, axis=1).ravel(), np.tile(bars, 3).ravel()
+    by_pairs = cord.reshape(-1, 3, 2, 3, 2).transpose(0, 1, 3, 2, 4).reshape(-1, 2, 2)
+    np.add.at(by_nodes, pairs, turned(*pairs, by_pairs))  # bars share nodes
     for side in (whole, whole.T):
         lands.transform(side)
     return whole
