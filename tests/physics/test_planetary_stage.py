@@ -349,3 +349,27 @@ def test_rows_of_two_pairs_of_a_mesh_in_one_start():
     """Their rows are equal to 1e-10: a start with both had no state for the floating sun."""
     found = stage(positions={"count": None, "angles_deg": [2.249, 2.25, 2.26, 2.3]})
     assert not found.status.any()
+
+
+def test_planets_bend_to_both_sides_and_slide_in_both_meshes():
+    """A tooth is bent by the sun and, half a turn later, back by the ring: a mean of nearly 0."""
+    found = stage(
+        positions={"count": None, "angles_deg": [1.8]},
+        effects={"contact": "lumped", "root_stress": True},
+    )
+    bending = found.stage.planet_bending
+    working = bending.points.working
+    for kind, member, side in (("sun", 1, working), ("ring", 0, ~working)):
+        mesh = found.mesh(1, kind)
+        stress = mesh.root_stress[member]
+        # other teeth carry the load of the other mesh
+        own = stress.stress_MPa[:, :, stress.points.working].max()
+        assert bending.largest_MPa[0, side].max() == pytest.approx(own, rel=2e-2)
+        losses = getattr(found.stage, f"{kind}_mesh_sliding_loss_Nm")[:, 0]
+        speed = np.nan_to_num(np.abs(mesh.sliding_mm_per_rad)) * (1.0 if kind == "sun" else 25 / 17)
+        np.testing.assert_allclose(
+            losses, (speed * mesh.site_force_N).sum(axis=1) / 1000, rtol=1e-5
+        )
+    worst = found.summary["planet_root_stress"]
+    assert abs(worst["mean_MPa"]) < 0.1 * worst["range_MPa"]
+    assert "root stress of planet" in found.stage.words()

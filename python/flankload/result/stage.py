@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from flankload.base.arrays import Floats
+    from flankload.result.planet_bending import PlanetBending
     from flankload.result.result import Result
 
 #: Kinds of mesh of a planet, and the index of the first one.
@@ -63,6 +64,12 @@ class StageLoads(Drive):
         Force of the sun on each planet.
     pin_force_N : (P, n, 2) array
         Force of each planet on its pin.
+    sun_mesh_sliding_loss_Nm, ring_mesh_sliding_loss_Nm : (P, n) arrays
+        Loss by sliding of the mesh of each planet with the sun and with the ring, per rad of the
+        sun relative to the carrier and per unit of the coefficient of friction: force times sliding
+        speed, to first order.
+    planet_bending : PlanetBending or None
+        Root stress of the planets under the loads of both flanks, if requested.
     meshes : sequence of 2n Result
         Results of the meshes with the sun, then those with the ring.
     """
@@ -83,6 +90,9 @@ class StageLoads(Drive):
     ring_deflection_um: Floats
     planet_force_N: Floats
     pin_force_N: Floats
+    sun_mesh_sliding_loss_Nm: Floats = field(metadata={"PS": "N m"})
+    ring_mesh_sliding_loss_Nm: Floats = field(metadata={"PS": "N m"})
+    planet_bending: PlanetBending | None
     meshes: Sequence[Result]
 
     name = "stage"
@@ -187,7 +197,10 @@ class StageLoads(Drive):
 
     def as_dict(self) -> dict[str, Any]:
         """The stage in the form of the JSON result."""
-        return {name: value for name, value in vars(self).items() if name != "meshes"}
+        found = {name: value for name, value in vars(self).items() if name != "meshes"}
+        if self.planet_bending is not None:
+            found["planet_bending"] = self.planet_bending.as_dict()
+        return found
 
     def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
         """Force of the sun on a planet, at their pitch point."""
@@ -236,9 +249,17 @@ class StageLoads(Drive):
             "ring_deflection_max_um": float(np.abs(self.ring_deflection_um).max()),
             "ring_torque_mean_Nm": over.mean(self.ring_torque_Nm),
             "carrier_torque_mean_Nm": over.mean(self.carrier_torque_Nm),
+            "sliding_loss_mean_Nm": over.mean(
+                (self.sun_mesh_sliding_loss_Nm + self.ring_mesh_sliding_loss_Nm).sum(axis=1)
+            ),
             "transmission_error_orders_um": amplitudes,
             "surviving_orders": survive,
             "surviving_orbit_orders": list(self.orbit_orders),
+            **(
+                {}
+                if self.planet_bending is None
+                else {"planet_root_stress": self.planet_bending.summary()}
+            ),
         }
 
     def words(self) -> str:
@@ -253,4 +274,6 @@ class StageLoads(Drive):
                 else (f"only multiples of order {self.order} survive in the transmission error")
             )
             text += f"; {orders}"
+        if self.planet_bending is not None:
+            text += f"; {self.planet_bending.words()}"
         return text

@@ -44,7 +44,9 @@ USUAL_STIFFNESS = (0.05, 1e5)
 #: of an angle in a file.
 ASSEMBLED = 1e-6
 #: Effects that a stage may have; others act on a pair of bodies.
-EFFECTS = frozenset({"contact", "tooth_coupling", "tip_contact", "beyond_limits", "dimension"})
+EFFECTS = frozenset(
+    {"contact", "tooth_coupling", "tip_contact", "beyond_limits", "dimension", "root_stress"}
+)
 #: Reasons why a stage has no other effects.
 WITHOUT = {
     "friction_coefficient": "that friction between several meshes has one solution is not proven",
@@ -309,6 +311,10 @@ def _check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
             continue
         why = WITHOUT.get(key, "this version has it for two bodies")
         refuse(f"effects.{key}", f"nothing with [stage]: {why}", shown(value))
+    assert asked.stage is not None
+    if asked.effects.root_stress and asked.stage.ring_support == "bolts":
+        expected = "false with stage.ring_support = 'bolts': forces of bolts are not in it"
+        refuse("effects.root_stress", expected, shown(value=True))
 
 
 def _check_states(asked: SceneFile) -> None:

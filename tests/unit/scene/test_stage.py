@@ -102,7 +102,13 @@ def test_planets_that_collide():
             "that friction between several meshes has one solution is not proven",
         ),
         ({"effects": {"choose": "auto"}}, "the choice of effects compares runs of a pair"),
-        ({"effects": {"root_stress": True}}, "effects.root_stress: expected nothing with [stage]"),
+        (
+            {
+                "stage": {"ring_support": "bolts", "bolts": 8, "bolt_stiffness_N_per_um": 50},
+                "effects": {"root_stress": True},
+            },
+            "effects.root_stress: expected false with stage.ring_support = 'bolts'",
+        ),
         (
             {"planet": {"face_width_mm": 10}},
             "planet.face_width_mm: expected nothing with [stage]: this version has plane stages",

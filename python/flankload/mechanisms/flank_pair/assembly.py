@@ -115,7 +115,7 @@ def _paired(
         coast = pairing.coast if effects.coast_flanks else None
         pairing = replace(pairing, period=window.period, coast=coast)
         friction = friction_of(scene, one, pairing)
-        fillets = (_fillets(one, "body_1", effects), _fillets(two, "body_2", effects))
+        fillets = (fillets_of(one, "body_1", effects), fillets_of(two, "body_2", effects))
     except SceneError as error:
         raise with_file_of(scene, error) from None
     loads = body_loads_of(scene, pairing)
@@ -223,7 +223,7 @@ def without_ends(body: Body) -> Body:
     return replace(body, active_range_mm=body.curve.active_range)
 
 
-def _fillets(body: Body, key: str, effects: Effects) -> RootFillets | None:
+def fillets_of(body: Body, key: str, effects: Effects) -> RootFillets | None:
     """Root fillets of an elastic body, if their stress is requested."""
     if not effects.root_stress or body.rigid:
         return None

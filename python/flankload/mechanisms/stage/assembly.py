@@ -12,7 +12,7 @@ from msgspec import structs
 from flankload.base.rotation import directions
 from flankload.contact.stage_contact import StageContact, StageSupports
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import without_ends
+from flankload.mechanisms.flank_pair.assembly import fillets_of, without_ends
 from flankload.mechanisms.flank_pair.rims import rim_notes
 from flankload.mechanisms.scene_bodies import bodies_of, with_file_of
 from flankload.pairing.body_pair import BodyJob
@@ -159,15 +159,12 @@ def assemble(
             scene.pair.axes_apart_mm,
             position_rad,
         )
+        jobs = _jobs(bodies, stage, effects)
     except SceneError as error:
         raise with_file_of(scene, error) from None
     return StageAssembly(
         bodies=bodies,
-        jobs=(
-            BodyJob(not sun.rigid),
-            BodyJob(not planet.rigid, coast_flanks=True),
-            BodyJob(not ring.rigid, rim=stage.ring_support != "clamped"),
-        ),
+        jobs=jobs,
         pairing=pairing,
         errors=_errors(stage, pairing.angles_rad),
         supports=_supports(stage),
@@ -178,6 +175,19 @@ def assemble(
         pitches=pitches,
         period_pitches=period,
         notes=_notes(scene, bodies, pairing, pitches, period),
+    )
+
+
+def _jobs(
+    bodies: tuple[Body, Body, Body], stage: Stage, effects: Effects
+) -> tuple[BodyJob, BodyJob, BodyJob]:
+    """Purposes of the elements of sun, planet and ring."""
+    elastic = [not body.rigid for body in bodies]
+    fillets = [fillets_of(body, name, effects) for name, body in zip(NAMES, bodies, strict=True)]
+    return (
+        BodyJob(elastic[0], fillets[0]),
+        BodyJob(elastic[1], fillets[1], coast_flanks=True),
+        BodyJob(elastic[2], fillets[2], rim=stage.ring_support != "clamped"),
     )
 
 

@@ -14,7 +14,9 @@ from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.status import on_corner
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.stage.assembly import StageAssembly
+from flankload.mechanisms.stage.planet_bending import bending_of_planets
 from flankload.mechanisms.stage.rim import motion_of_rim
+from flankload.mechanisms.stage.sliding import sliding_losses
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.stage import orbit_orders, surviving_order
 from flankload.result.geometry import pair_geometry
@@ -128,6 +130,7 @@ def _loads(
     zs, _, zr = pairing.teeth
     even = pairing.equally_spaced and not assembly.errors.any and assembly.period_pitches == 1
     radial, by_bolts = motion_of_rim(assembly, compliances[2], found)
+    with_sun, with_ring = sliding_losses(assembly, found)
     return StageLoads(
         teeth=pairing.teeth,
         center_distance_mm=pairing.center_distance_mm,
@@ -145,6 +148,9 @@ def _loads(
         carrier_orbit_um=1000.0 * found.carrier_mm,
         planet_force_N=on_planets,
         pin_force_N=force[:, 1:-1, :2],
+        sun_mesh_sliding_loss_Nm=with_sun,
+        ring_mesh_sliding_loss_Nm=with_ring,
+        planet_bending=bending_of_planets(assembly, compliances[1], found),
         meshes=MeshResults(scene, assembly, compliances, found),
     )
 
@@ -215,10 +221,14 @@ def mesh_result(
     scene: Scene, assembly: StageAssembly, compliances: Compliances, found: StageSweep, m: int
 ) -> Result:
     """Ordinary result of one mesh, at its own positions."""
-    mesh = assembly.pairing.meshes[m]
+    mesh, own_mesh = assembly.pairing.meshes[m], assembly.meshes[m]
     first = 1 if mesh.with_ring else 0
+    if mesh.with_ring:  # teeth of the mirror image run clockwise
+        one, two = mesh.pairing.site_teeth
+        teeth = -one % own_mesh.body_1.teeth, -two % own_mesh.body_2.teeth
+        own_mesh = replace(own_mesh, pairing=replace(mesh.pairing, site_teeth=teeth))
     pair = BodyPair(
-        **vars(assembly.meshes[m]),
+        **vars(own_mesh),
         jobs=(assembly.jobs[first], assembly.jobs[first + 1]),
         discretization=assembly.discretization,
         effects=assembly.effects,
