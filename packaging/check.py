@@ -1,7 +1,8 @@
 """Tries all of packaging/ but the wheel for Windows, and the files that describe the project.
 
 check.py FOLDER: builds there. Needs the Python packages cffconvert, py-rattler-build,
-pypandoc-binary and typst, go, and for the Debian packages debhelper, lintian and libopenblas-dev.
+pypandoc-binary and typst, go, nix-bin, and for the Debian packages debhelper, lintian and
+libopenblas-dev.
 A line for each.
 """
 
@@ -59,6 +60,24 @@ def check_conda() -> str:
     return f"conda recipe: rattler-build renders {made.name} {made.version}"
 
 
+#: What the recipe for nixpkgs becomes if each package is its name.
+NIX = """let recipe = import ./packaging/nix/package.nix; in
+with recipe (builtins.mapAttrs (name: _: name) (builtins.functionArgs recipe) // {
+  lib = { cleanSource = _: "checkout"; licenses.bsd3 = "BSD-3-Clause"; platforms.unix = [ ]; };
+  buildPythonPackage = recipe: recipe;
+  pythonOlder = _: false;
+}); "${pname} ${version}: ${toString (build-system ++ nativeBuildInputs ++ buildInputs)}"
+"""
+
+
+def check_nix() -> str:
+    """The recipe for nixpkgs, evaluated without nixpkgs."""
+    if shutil.which("nix-instantiate") is None:
+        return "nix recipe: not evaluated, because nix-instantiate is missing"
+    found = run("nix-instantiate", "--eval", "--strict", "--store", "dummy://", "-E", NIX)
+    return f"nix recipe: {found.strip()[1:-1]}"
+
+
 def check_debian(work: Path) -> str:
     """The packages of the last commit, built and judged by lintian."""
     needed = ("dpkg-buildpackage", "dh", "lintian")
@@ -80,6 +99,7 @@ def main(work: Path) -> None:
     print(check_workflow(work), flush=True)
     print(check_citation(), flush=True)
     print(check_conda(), flush=True)
+    print(check_nix(), flush=True)
     print(check_paper(work), flush=True)
     print(check_debian(work), flush=True)
 

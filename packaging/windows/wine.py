@@ -1,7 +1,7 @@
 """Tries the wheel for Windows under Wine: references, demo, names with umlauts, pools of processes.
 
-wine.py FOLDER: takes the wheel from FOLDER; the interpreter, the packages and Wine's prefix are in
-build-windows, which later calls use again.
+wine.py FOLDER [VERSION]: takes the wheel for this version of Python (3.12) from FOLDER; the
+interpreter, the packages and Wine's prefix are in build-windows, which later calls use again.
 """
 
 from __future__ import annotations
@@ -39,8 +39,11 @@ REAL = {"cos", "cosf", "cosl", "cosh", "coshf", "coshl"}
 class Windows:
     """A Python for Windows with its packages, started through Wine."""
 
-    home = WORK / "python"
-    packages = home / "Lib/site-packages"
+    def __init__(self, version: str) -> None:
+        self.version = version
+        self.digits = version.replace(".", "")
+        self.home = WORK / f"python{self.digits}"
+        self.packages = self.home / "Lib/site-packages"
 
     @cached_property
     def environment(self) -> dict[str, str]:
@@ -54,7 +57,7 @@ class Windows:
         if self.home.exists():
             return
         with tempfile.TemporaryDirectory() as temporary:
-            found = python_of_windows(Path(temporary))
+            found = python_of_windows(Path(temporary), self.version)
             made = WORK / "python.part"
             shutil.rmtree(made, ignore_errors=True)
             shutil.copytree(found / "lib", made / "Lib")
@@ -65,15 +68,17 @@ class Windows:
             (made / "DLLs/_wmi.pyd").unlink()
             for name in ("vcruntime140.dll", "vcruntime140_1.dll"):
                 (made / "DLLs" / name).rename(made / name)
-            for path in (found / "bin/python.exe", found / "python312.dll"):
+            for path in (found / "bin/python.exe", found / f"python{self.digits}.dll"):
                 shutil.copy(path, made)
             made.rename(self.home)
 
-    def install(self, wheel: Path) -> None:
+    def install(self, wheels: Path) -> None:
         """The wheel and what it requires, for Windows, whatever machine this is."""
+        [wheel] = wheels.glob(f"flankload-*cp{self.digits}-win_amd64.whl")
         for former in self.packages.glob("flankload*"):
             shutil.rmtree(former)
-        where = ("--only-binary", ":all:", "--platform", "win_amd64", "--python-version", PYTHON)
+        where = ("--only-binary", ":all:", "--platform", "win_amd64")
+        where += ("--python-version", self.version)
         pip = (sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
         run(*pip, "--no-compile", "--upgrade", *where, "--target", self.packages, wheel, *OF_TESTS)
         self.replace_complex_functions()
@@ -170,13 +175,12 @@ def check_processes(windows: Windows, folder: Path) -> str:
     return f"study of {len(tables[0])} designs: by processes as by threads"
 
 
-def main(wheels: Path) -> None:
+def main(wheels: str, version: str = PYTHON) -> None:
     """All of it, a line for each."""
-    wheel = max(wheels.glob("flankload-*win_amd64.whl"), key=lambda path: path.stat().st_mtime)
     WORK.mkdir(exist_ok=True)
-    windows = Windows()
+    windows = Windows(version)
     windows.install_interpreter()
-    windows.install(wheel)
+    windows.install(Path(wheels).resolve())
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "Prüfung mit Leerzeichen"
         folder.mkdir()
@@ -186,4 +190,4 @@ def main(wheels: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]).resolve())
+    main(*sys.argv[1:])

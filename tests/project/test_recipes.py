@@ -46,10 +46,21 @@ def test_spack_requires_what_the_project_requires() -> None:
     assert set(named) == {"python"}
 
 
+def test_nix_requires_what_the_project_requires() -> None:
+    text = (ROOT / "packaging/nix/package.nix").read_text("utf-8")
+    build, run = text.split("  build-system = ")[1].split("  dependencies = ")
+    line = r"    ([\w-]+) # >= ([\d.]+)\n"
+    assert required(build, line) == builds_with()
+    assert required(run, line) == runs_with()
+    [least] = re.findall(r'pythonOlder "(.*)"', text)
+    assert f">={least}" == PROJECT["project"]["requires-python"]
+
+
 def test_the_version_is_everywhere_that_of_the_project() -> None:
     [version] = re.findall(r"^ *version: '(.*)'", (ROOT / "meson.build").read_text("utf-8"), re.M)
     assert f'version: "{version}"' in (ROOT / "packaging/conda/recipe.yaml").read_text("utf-8")
     assert f'version("{version}")' in (ROOT / "packaging/spack/package.py").read_text("utf-8")
+    assert f'version = "{version}"' in (ROOT / "packaging/nix/package.nix").read_text("utf-8")
 
 
 def test_zenodo_says_what_the_citation_says() -> None:
@@ -61,6 +72,6 @@ def test_zenodo_says_what_the_citation_says() -> None:
 
 
 def test_the_paper_cites_each_of_its_references() -> None:
-    cited = re.findall(r"[\[ (]@(\w+)", (ROOT / "paper/paper.md").read_text("utf-8"))
+    cited = re.findall(r"[\[\s(]@(\w+)", (ROOT / "paper/paper.md").read_text("utf-8"))
     listed = re.findall(r"^@\w+\{(\w+),", (ROOT / "paper/paper.bib").read_text("utf-8"), re.M)
     assert set(cited) == set(listed)
