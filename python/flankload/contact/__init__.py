@@ -16,12 +16,20 @@ from flankload.contact.problem import (
     ContactProblem,
     from_angles,
     general,
+    in_given_order,
     loads_of_motions,
     method_number,
     pair_numbers,
     torque_loads,
 )
-from flankload.contact.state import ContactInfo, ContactState, CoreAnswer, Vector, state_of
+from flankload.contact.state import (
+    ContactInfo,
+    ContactState,
+    CoreAnswer,
+    Vector,
+    columns_used,
+    state_of,
+)
 
 __all__ = [
     "ContactInfo",
@@ -75,7 +83,8 @@ def solve_contact(
         for which the cost is negligible, proven from the whole matrix (``"proven"``). A matrix that
         is not symmetric (friction) is always factored as a whole. False: nothing is assumed, which
         for many pairs takes longer than the solution. True: the symmetric part of diag(b) A (rows
-        weighted with m/b if m differs from b) is known to be positive definite.
+        weighted with m/b if m differs from b) is known to be positive definite; with many pairs,
+        only the entries that the solution reads are then checked.
 
     Returns
     -------
@@ -160,17 +169,23 @@ def solve_contact_general(
 def _solve(
     problem: ContactProblem, loads: Vector, *, method: str, warm_pairs: ArrayLike | None
 ) -> ContactState:
-    """Call the core once."""
+    """Call the core once, or again if it was given the transpose of another matrix."""
     number = method_number(method, problem)
     warm = pair_numbers(warm_pairs, problem.n)
-    answer = _core.flankload_solve_contact(
-        problem.compliance,
-        problem.gaps,
-        problem.motions,
-        problem.load_rows,
-        loads / problem.load_unit,
-        problem.structure,
-        number,
-        warm + 1,
-    )
-    return state_of(problem, loads, CoreAnswer(*answer))
+    while True:
+        answer = CoreAnswer(
+            *_core.flankload_solve_contact(
+                problem.compliance,
+                problem.gaps,
+                problem.motions,
+                problem.load_rows,
+                loads / problem.load_unit,
+                problem.structure,
+                number,
+                warm + 1,
+            )
+        )
+        given = in_given_order(problem, columns_used(answer))
+        if given is problem:
+            return state_of(problem, loads, answer)
+        problem = given

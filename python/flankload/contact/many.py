@@ -8,7 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import flankload._core as _core
-from flankload.contact.problem import ContactProblem, from_angles, method_number, torque_loads
+from flankload.contact.problem import (
+    ContactProblem,
+    from_angles,
+    in_given_order,
+    method_number,
+    torque_loads,
+)
 from flankload.contact.state import ContactState, CoreAnswer, state_of
 from flankload.errors import ContactError, InputError
 
@@ -199,6 +205,7 @@ def _solve_all(
 ) -> tuple[list[list[ContactState | None]], ContactError | None]:
     """States by problem and load, and the first exception with its place."""
     number = max(method_number(method, problem) for problem in problems)
+    problems = [in_given_order(problem, slice(None)) for problem in problems]
     if loads.size == 0:
         return [[] for _ in problems], None
     sizes = np.array([problem.n for problem in problems], dtype=np.int32)

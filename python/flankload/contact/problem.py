@@ -30,6 +30,8 @@ METHOD_NAMES = {number: name for name, number in METHODS.items()} | {5: "single_
 GENERAL, SYMMETRIC, DEFINITE, DEFINITE_PART = range(4)
 # largest number of pairs for which scaling and a proof of uniqueness have negligible cost
 _FEW_PAIRS = 60
+# asymmetry due to rounding in the assembly, relative to the diagonal
+_ASYMMETRY = 1e-12
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,8 @@ class ContactProblem:
     `names`: those of K in errors about an entry and about the matrix; `structure`: properties of K
     for the core. `gap_scale` divides final gaps: the row scales of the angle form, otherwise 1.
     `load_unit` divides loads and load rows: the row scale of the angle form if it is the same for
-    all rows, otherwise 1.
+    all rows, otherwise 1. `by_rows`: `compliance` is the transpose of K, which has not been
+    compared with it (`in_given_order`).
     """
 
     compliance: Vector
@@ -51,6 +54,7 @@ class ContactProblem:
     structure: int = GENERAL
     gap_scale: Vector | float = 1.0
     load_unit: float = 1.0
+    by_rows: bool = False
 
     @property
     def n(self) -> int:
@@ -189,6 +193,8 @@ def _checked(
     matrix, name = problem.compliance, problem.names[0]
     if not matrix.flags.forc:
         matrix = np.asfortranarray(matrix)
+    if positive_definite and problem.n > _FEW_PAIRS:
+        return _declared(problem, matrix, row_scale)
     by_rows = not matrix.flags.f_contiguous
     compliance = matrix.T if by_rows else matrix
     if row_scale is None:
@@ -211,11 +217,42 @@ def _checked(
     return replace(problem, compliance=compliance, structure=structure)
 
 
+def _declared(problem: ContactProblem, matrix: Vector, row_scale: Vector | None) -> ContactProblem:
+    """Scale rows of a matrix that is known to be positive definite, without a pass over it.
+
+    A few entries decide whether it is factored as a symmetric one. If others are not symmetric, the
+    refinement of the core does not converge, and it factors the matrix as a general one.
+    """
+    if row_scale is not None:
+        matrix = matrix * row_scale[:, np.newaxis]
+    last = problem.n - 1
+    symmetric = all(
+        abs(matrix.item(i, j) - matrix.item(j, i))
+        <= _ASYMMETRY * min(abs(matrix.item(i, i)), abs(matrix.item(j, j)))
+        for i, j in ((0, 1), (0, last), (last // 2, last // 2 + 1), (last // 3, last))
+    )
+    by_rows = symmetric and not matrix.flags.f_contiguous
+    return replace(
+        problem,
+        compliance=matrix.T if by_rows else np.asfortranarray(matrix),
+        structure=DEFINITE if symmetric else DEFINITE_PART,
+        by_rows=by_rows,
+    )
+
+
+def in_given_order(problem: ContactProblem, used: slice) -> ContactProblem:
+    """The problem itself if K equals its transpose in columns that were used, else with K."""
+    given = problem.compliance.T
+    if not problem.by_rows or np.array_equal(given[:, used].T, given[used]):
+        return problem
+    return replace(problem, compliance=np.asfortranarray(given), by_rows=False)
+
+
 def array(name: str, values: Any, n_axes: int | None, *, finite: bool = True) -> Vector:
     """Real numbers in double precision, checked."""
     try:
         given = np.asarray(values)
-        real = not np.iscomplexobj(given)
+        real = given.dtype.kind != "c"
         # a cast would drop imaginary parts
         numbers = given.astype(np.float64, copy=False) if real else np.empty(0)
     except (TypeError, ValueError, OverflowError) as error:

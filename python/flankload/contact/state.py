@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from flankload.base.card import Card
 from flankload.base.read_only import KeepsReadOnly
-from flankload.contact.problem import DEFINITE, METHOD_NAMES, ContactProblem
+from flankload.contact.problem import (
+    DEFINITE,
+    METHOD_NAMES,
+    ContactProblem,
+    expect_finite,
+    expect_positive_diagonal,
+)
 from flankload.contact.status import Status, status_text
 from flankload.errors import (
     ContactError,
@@ -160,6 +166,12 @@ class CoreAnswer(NamedTuple):
     code: int
 
 
+def columns_used(answer: CoreAnswer) -> slice:
+    """Columns of K that a state depends on; all if there is none."""
+    active = answer.active.nonzero()[0]
+    return slice(active[0], active[-1] + 1) if answer.code >= 0 and active.size else slice(None)
+
+
 def state_of(
     problem: ContactProblem,
     loads: Vector,
@@ -218,6 +230,10 @@ def failure(problem: ContactProblem, loads: Vector, answer: CoreAnswer) -> Conta
         return PivotLimit(f"no contact state found after {int(answer.counters[0])} pivots")
     if code == Status.SINGULAR_CONTACT:
         return _singular(problem, answer.motion)
+    if code in (Status.INVALID_INPUT, Status.INVALID_SCALE):
+        given = problem.compliance.T if problem.by_rows else problem.compliance
+        expect_finite(problem.names[0], given)
+        expect_positive_diagonal(given.diagonal(), problem.names[0])
     if code == Status.OUT_OF_RANGE:
         return InputError(
             "loads: expected units in which forces, gaps and motions lie between 1e-308 and 1e308, "

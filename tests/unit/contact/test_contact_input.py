@@ -12,6 +12,7 @@ import flankload as fl
 from flankload import _core, errors
 from tests.support.contact_problems import THREE
 
+EPS = np.finfo(float).eps
 MATRIX = np.array([[10, 7, 5], [7, 10, 7], [5, 7, 10.0]])
 
 
@@ -435,3 +436,41 @@ def test_one_row_scale_names_the_torque_that_can_be_held() -> None:
     found, expected = of_angles.value.largest_torque, general.value.largest_torque
     assert 0.0 < expected < problem["torque"]
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=0)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_a_declared_matrix_is_not_read_as_a_whole(order: str) -> None:
+    """Entries that are not probed may break its symmetry, and its transpose may be another matrix:
+    the state is that of K, and its uniqueness is not claimed where the pairs in contact deny it."""
+    n = 70
+    apart = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    base = np.exp(-apart / 9.0) + 0.1 * np.eye(n)
+    gaps = 2e-2 * (np.arange(n) - 30.0) ** 2
+
+    def solve(matrix: Any, gaps: Any, known: bool) -> fl.ContactState:
+        return fl.solve_contact(matrix, np.ones(n), gaps, 9.0, positive_definite=known)
+
+    for place, size in (((25, 33), 0.3), ((33, 25), 0.3), ((5, 33), 0.05), ((33, 29), 1e-9)):
+        matrix = np.array(base, order=order)
+        matrix[place] += size
+        state, proven = (solve(matrix, gaps, known) for known in (True, False))
+        assert (state.status, state.info.uniqueness) == (0, "elastic"), place
+        assert state.info.backward_error <= 10.0 * EPS
+        np.testing.assert_allclose(state.normal_forces, proven.normal_forces, rtol=0, atol=1e-12)
+    # the same state, although the symmetric part of these two pairs is not definite
+    forces = solve(base, gaps, known=True).normal_forces
+    for i, j in ((24, 36), (36, 24)):
+        matrix, shifted = np.array(base, order=order), gaps.copy()
+        matrix[i, j] += 2.0
+        shifted[i] -= 2.0 * forces[j]
+        state = solve(matrix, shifted, known=True)
+        np.testing.assert_allclose(state.normal_forces, forces, rtol=0, atol=1e-12)
+        assert (state.status, state.info.uniqueness) == (3, "not certain")
+    for bad, place, message in (
+        (np.nan, (28, 31), r"found nan at \[28, 31\]"),
+        (-1.0, (12, 12), "diagonal > 0, found -1 at pair 12"),
+    ):
+        matrix = np.array(base, order=order)
+        matrix[place] = bad
+        with pytest.raises(errors.InputError, match=message):
+            solve(matrix, gaps, known=True)
