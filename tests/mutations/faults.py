@@ -610,8 +610,16 @@ _PYTHON = (
         ("(-whole[size:", "(whole[size:"),
     ),
     *_in(
+        "elasticity/fronts/mirror.py",
+        "unit/elasticity/prism/test_condensation.py",
+        ("[0.0, 0.0, sign]", "[0.0, 0.0, 1.0]"),
+        ("np.diag(sign **", "np.diag(1.0 **"),
+        ("[sine, -cosine, 0.0]", "[-sine, -cosine, 0.0]"),
+    ),
+    *_in(
         "elasticity/fronts/recovery.py",
         "unit/elasticity/prism/test_recovery.py",
+        ("y[images, :r] += problem", "y[images, :r] -= problem"),
         ("np.arange(own.size)] = -1.0", "np.arange(own.size)] = 1.0"),
         ("if needed[number] and number in after:", "if number in after and False:"),
         ("-= each.below @ own", "-= 0.0 * (each.below @ own)"),

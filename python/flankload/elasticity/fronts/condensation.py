@@ -22,7 +22,9 @@ from flankload.cost import Account
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.fronts.dissection import dissect
-from flankload.elasticity.fronts.elimination import Elimination, PairStiffness, Problem
+from flankload.elasticity.fronts.elimination import Elimination, PairStiffness
+from flankload.elasticity.fronts.mirror import images_of, reflection
+from flankload.elasticity.fronts.problem import Problem
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
@@ -76,12 +78,18 @@ def condense_nodes(
         inner[cut] = False
         cut = cut[:0] if held else cut
     inner[mesh.fixed_nodes] = False
+    images, turn = None, None
+    if isinstance(mesh, SectorMesh) and (axial.symmetric or not twisted):
+        images = images_of(mesh, inner)
+    if isinstance(mesh, SectorMesh) and images is not None:
+        turn = reflection(mesh, axial.count, section.components, twisted=twisted)
     order = dissect(
         mesh.nodes,
         [cells for _, cells in mesh.cells],
         inner=inner,
         kept=cut,
         unknowns=section.components * axial.count,
+        images=images,
     )
     return condense_in_order(
         section,
@@ -92,6 +100,7 @@ def condense_nodes(
         twisted=twisted,
         account=account,
         recovery=recovery,
+        turn=turn,
     )
 
 
@@ -105,8 +114,12 @@ def condense_in_order(
     twisted: bool = False,
     account: Account | None = None,
     recovery: Recovery | None = None,
+    turn: Floats | None = None,
 ) -> CondensedSector:
-    """Condense nodes in a given order; other arguments as of `condense_nodes`."""
+    """Condense nodes in a given order; other arguments as of `condense_nodes`.
+
+    `turn`: reflection of the unknowns of a node, for a symmetric mesh.
+    """
     account = Account() if account is None else account
     cut = order.order[order.inner :]
     per_cut = section.components * (cut_degree + 1)
@@ -120,7 +133,7 @@ def condense_in_order(
     # most fronts are too small for several threads
     with one_blas_thread():
         for number, unknowns in enumerate(sets):
-            problem = Problem.of(order, unknowns, per_cut, loads)
+            problem = Problem.of(order, unknowns, per_cut, loads, turn)
             elimination = Elimination(
                 order,
                 problem,

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 #: Unknowns, and least number of nodes, of the largest part that is not bisected. Measured: smaller
 #: fronts cost more calls in the plane, larger ones more operations in three dimensions.
 LEAF_UNKNOWNS, LEAF_NODES = 64, 6
-#: Number of directions that are tried for the bisection of a part.
-DIRECTIONS = 8
+#: Lines that are tried for the bisection of a part: number of directions, and parts behind them.
+DIRECTIONS, PARTS = 8, (0.4, 0.5, 0.6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,16 +56,36 @@ class Dissection:
         Position of each node in `order`, -1 for other nodes.
     inner : int
         Number of nodes that are eliminated.
+    images : (N,) array or None
+        Of a symmetric mesh, whose second half is not in the order: `mirror.images_of`. The last
+        front has the nodes on the axis; its only part is the last front of the first half.
     """
 
     fronts: list[Front]
     order: Numbers
     position: Numbers
     inner: int
+    images: Numbers | None = None
+
+    @property
+    def half(self) -> int:
+        """Number of nodes of the first half that are eliminated, all without symmetry."""
+        return self.inner if self.images is None else self.inner - self.fronts[-1].own.size
+
+    @property
+    def second(self) -> Numbers:
+        """Images of the nodes of the first half, in their order; empty without symmetry."""
+        return self.order[:0] if self.images is None else self.images[self.order[: self.half]]
 
 
 def dissect(
-    places: Floats, cells: Sequence[Numbers], *, inner: Flags, kept: Numbers, unknowns: int
+    places: Floats,
+    cells: Sequence[Numbers],
+    *,
+    inner: Flags,
+    kept: Numbers,
+    unknowns: int,
+    images: Numbers | None = None,
 ) -> Dissection:
     """Fronts of a mesh.
 
@@ -81,6 +101,8 @@ def dissect(
         Kept nodes; others are fixed.
     unknowns : int
         Number of unknowns of a node.
+    images : (N,) array, optional
+        Of a symmetric mesh: `Dissection.images`.
     """
     leaf = max(LEAF_NODES, LEAF_UNKNOWNS // unknowns)
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
@@ -102,7 +124,11 @@ def dissect(
         parts.append(tuple(below))
         return len(owns) - 1
 
-    split(element[inner[node]], node[inner[node]])
+    first = inner if images is None else inner & (images >= 0) & (images != np.arange(inner.size))
+    split(element[first[node]], node[first[node]])
+    if images is not None:
+        parts.append((len(owns) - 1,))
+        owns.append(np.flatnonzero(inner & (images == np.arange(inner.size))))
     position = np.full(inner.size, -1)
     order = np.concatenate([*owns, kept])
     position[order] = np.arange(order.size)
@@ -110,11 +136,13 @@ def dissect(
     for own, below in zip(owns, parts, strict=True):
         touched = _among(element[_among(own, inner.size)[node]], sizes.size)
         beside = [node[touched[element]], *(fronts[part].rest for part in below)]
+        if images is not None and len(fronts) == len(owns) - 1:
+            beside.append(images[fronts[-1].rest])
         rest = np.flatnonzero(_among(np.concatenate(beside), inner.size))
         rest = rest[position[rest] > position[own].max(initial=-1)]
         rest = rest[np.argsort(position[rest])]
         fronts.append(Front(own, rest, below))
-    return Dissection(fronts, order, position, order.size - kept.size)
+    return Dissection(fronts, order, position, order.size - kept.size, images)
 
 
 def _among(numbers: Numbers, count: int) -> Flags:
@@ -129,26 +157,24 @@ def _bisected(
 ) -> tuple[Numbers, list[Flags]]:
     """Nodes that both halves share, and the pairs of each half without them.
 
-    Of some directions, the one with the fewest nodes; no halves if all elements are in one place.
-    `nodes` is the number of nodes of the mesh.
+    Of some lines, the one with the least ratio cut: shared nodes over the product of both parts. No
+    halves if all elements are in one place. `nodes` is the number of nodes of the mesh.
     """
     elements = np.flatnonzero(_among(element, len(middles)))
-    best: tuple[Numbers, list[Flags]] | None = None
+    last, least = elements.size - 1, np.inf
+    best: tuple[Numbers, list[Flags]] = elements[:0], []
     for turn in np.arange(DIRECTIONS) * (np.pi / DIRECTIONS):
         along = middles @ [np.cos(turn), np.sin(turn)]
-        ahead = along[element] > _middle(along[elements])
-        if not ahead.any():
-            continue
-        shared = _among(node[ahead], nodes) & _among(node[~ahead], nodes)
-        own = np.flatnonzero(shared)
-        if best is None or own.size < best[0].size:
-            free = ~shared[node]
-            best = own, [ahead & free, ~ahead & free]
-    return (elements[:0], []) if best is None else best
-
-
-def _middle(values: Floats) -> np.float64:
-    """Median of some hundred numbers or fewer: np.median takes six times as long."""
-    ascending = np.sort(values)
-    middle: np.float64 = 0.5 * (ascending[(values.size - 1) // 2] + ascending[values.size // 2])
-    return middle
+        places, ascending = along[element], np.sort(along[elements])
+        for part in PARTS:
+            behind = int(part * last)
+            ahead = places > 0.5 * (ascending[behind] + ascending[min(behind + 1, last)])
+            count = np.count_nonzero(ahead)
+            if count == 0:
+                continue
+            shared = _among(node[ahead], nodes) & _among(node[~ahead], nodes)
+            ratio = np.count_nonzero(shared) / (count * (ahead.size - count))
+            if ratio < least:
+                free = ~shared[node]
+                least, best = ratio, (np.flatnonzero(shared), [ahead & free, ~ahead & free])
+    return best

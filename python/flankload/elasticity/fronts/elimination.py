@@ -6,7 +6,9 @@ nodes and by the columns of loads: the remainder of
     [[K_ii, K_ic, F_i], [K_ci, K_cc, F_c], [F_i', F_c', 0]]
 
 is [[S, G], [G', -C_loc]]. The eliminated part is positive definite, so that no pivoting is needed.
-A front has the columns of the loads on nodes that are eliminated in it or before it.
+A front has the columns of the loads on nodes that are eliminated in it or before it. Of a symmetric
+mesh, the first half and then the axis are eliminated (`mirror`): the columns of loads are followed
+by those of the reflected loads on the second half.
 """
 
 from __future__ import annotations
@@ -24,55 +26,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.elasticity.finite_elements import SectionStiffness
     from flankload.elasticity.fronts.dissection import Dissection
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """Unknowns of the nodes of a mesh that are not coupled to others, and their loads.
-
-    Attributes
-    ----------
-    unknowns, of_kept : (n,), (m,) arrays
-        Those of an inner node, and the first of these, those of a kept node.
-    columns : (k,) array
-        Columns of loads that are not 0.
-    loads : (N, n, k) array
-        These columns by node and unknown.
-    base : (P + 2,) array
-        First unknown of each position in the order of elimination, then that of the loads, then
-        the number of all.
-    inner : int
-        Number of positions that are eliminated.
-    """
-
-    unknowns: Numbers
-    of_kept: Numbers
-    columns: Numbers
-    loads: Floats
-    base: Numbers
-    inner: int
-
-    @classmethod
-    def of(cls, order: Dissection, unknowns: Numbers, per_kept: int, loads: Floats) -> Problem:
-        """Problem of a set of unknowns of each node; loads (N, u, r) of all."""
-        own = loads[:, unknowns]
-        columns = np.flatnonzero(own.any(axis=(0, 1)))
-        of_kept = unknowns[unknowns < per_kept]
-        sizes = np.full(order.order.size + 2, unknowns.size)
-        sizes[0] = 0
-        sizes[order.inner + 1 : -1] = of_kept.size
-        sizes[-1] = columns.size
-        return cls(unknowns, of_kept, columns, own[:, :, columns], np.cumsum(sizes), order.inner)
-
-    @property
-    def first_load(self) -> int:
-        """Number of the first column of loads among the unknowns."""
-        return int(self.base[-2])
-
-    def numbers(self, positions: Numbers) -> Numbers:
-        """Unknowns of positions, in their order."""
-        first, last = self.base[positions], self.base[positions + 1]
-        return _ranges(first, last - first)
+    from flankload.elasticity.fronts.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +84,8 @@ class Elimination:
         done = self.parts[0] + (self.parts[1] - self.parts[0]) * work / work[-1]
         for number, front in enumerate(order.fronts):
             joined = [left.pop(part) for part in front.parts]
+            if problem.halves > 1 and number + 1 == len(order.fronts):
+                joined = self._halves(*joined[0])
             left[number] = self._eliminated(number, joined)
             self.account.report(float(done[number]))
             held += left[number][1].nbytes
@@ -139,10 +95,28 @@ class Elimination:
         self.account.workspace_bytes += most
         ((rest, matrix),) = left.values()
         first = int(problem.base[order.inner])
-        whole = np.zeros((int(problem.base[-1]) - first,) * 2, order="F")
+        size = problem.first_load + problem.columns.size - first
+        whole = np.zeros((size, size), order="F")
         whole[np.ix_(rest - first, rest - first)] = matrix
         self.stiffness.add(order.inner, order.order.size, _Rows(first, len(whole)), whole)
         return np.tril(whole) + np.tril(whole, -1).T
+
+    def _halves(self, known: Numbers, matrix: Floats) -> list[tuple[Numbers, Floats]]:
+        """Unknowns and remainders of both halves from those of the first one."""
+        problem = self.problem
+        own, images = problem.boundary()
+        count = int(np.searchsorted(known, problem.first_load + problem.columns.size))
+        at = np.append(np.arange(own.size), np.arange(count, known.size))
+        image = np.tril(matrix)[np.ix_(at, at)]
+        image += np.tril(image, -1).T
+        for _ in range(2):  # rows, then columns
+            image[: own.size] = problem.reflected(image[: own.size], problem.on_axis)
+            image = image.T
+        columns = known[count:] - problem.columns.size
+        return [
+            (known[:count], matrix[:count, :count]),
+            (np.append(images, columns), np.asfortranarray(image)),
+        ]
 
     def _eliminated(
         self, number: int, joined: list[tuple[Numbers, Floats]]
@@ -150,8 +124,9 @@ class Elimination:
         """Assemble a front and eliminate its nodes: unknowns of the remainder, and remainder."""
         front, problem = self.order.fronts[number], self.problem
         positions = self.order.position
-        loaded = problem.loads[front.own]
-        columns = np.flatnonzero(loaded.any(axis=(0, 1))) + problem.first_load
+        start = int(positions[front.own[0]]) if front.own.size else 0
+        loaded, forces = problem.forces(start, start + front.own.size)
+        columns = loaded
         for known, _ in joined:
             columns = np.union1d(columns, known[known >= problem.first_load])
         rest = np.append(problem.numbers(positions[front.rest]), columns)
@@ -162,15 +137,13 @@ class Elimination:
                 place = np.searchsorted(rest, known)
                 remainder[np.ix_(place, place)] += matrix
             return rest, remainder[: rest.size, : rest.size]
-        own, start = front.own.size * problem.unknowns.size, int(positions[front.own[0]])
+        own = front.own.size * problem.unknowns.size
         first = int(problem.base[start])
         pivot = np.zeros((own, own), order="F")
         below = np.zeros((size, own), order="F")
         rows = _Rows(first, own, rest)
         self.stiffness.add(start, start + front.own.size, rows, pivot, below)
-        if columns.size:
-            some = loaded[:, :, columns - problem.first_load]
-            below[-columns.size :] = some.reshape(own, -1).T
+        below[np.searchsorted(rest, loaded)] = forces.T
         for known, matrix in joined:
             if known.size:
                 place = rows.places(known) + 1
@@ -255,10 +228,3 @@ class PairStiffness:
             pivot,
             np.zeros((1, len(pivot)), order="F") if below is None else below,
         )
-
-
-def _ranges(first: Numbers, sizes: Numbers) -> Numbers:
-    """Consecutive numbers from each of `first`, joined."""
-    ends = np.cumsum(sizes)
-    total = int(ends[-1]) if ends.size else 0
-    return np.arange(total) + np.repeat(first - ends + sizes, sizes)

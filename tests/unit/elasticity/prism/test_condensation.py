@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
 
+from flankload.bodies.body import Body
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity import finite_elements
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.finite_elements import section_stiffness, stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.dissection import dissect
+from flankload.elasticity.fronts.mirror import images_of
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense
 from tests.support.plain_prism import (
@@ -21,10 +26,13 @@ from tests.support.plain_prism import (
     whole_stiffness,
 )
 from tests.support.plane_sectors import STEEL, ring_sector
-from tests.support.ring_bodies import gear_body
+from tests.support.ring_bodies import gear_body, ring
 from tests.support.tolerances import CLOSURE
 
 TEETH = 5
+GEAR = gear_body(17, 4.5)
+#: The axis of symmetry of its sector is not that of x.
+INWARDS = build_involute_body(ring(teeth=60), "body_2", flank_element_mm=3.0)
 AXIAL = AxialBasis((-3.0, 4.0), 3)
 
 
@@ -54,10 +62,11 @@ def _same(found: CondensedSector, expected: CondensedSector, part: float) -> Non
         np.testing.assert_allclose(one, two, rtol=0, atol=part * np.abs(two).max())
 
 
-@pytest.mark.parametrize("cut_degree", [1, 3])
-@pytest.mark.parametrize("twist", [0.0, 0.04])
-def test_it_is_the_schur_complement_of_the_whole_matrix(twist: float, cut_degree: int) -> None:
-    body = gear_body(17, 4.5)
+@pytest.mark.parametrize("body", [GEAR, INWARDS], ids=["outwards", "inwards"])
+@pytest.mark.parametrize(("twist", "cut_degree"), [(0.0, 1), (0.04, 3)])
+def test_it_is_the_schur_complement_of_the_whole_matrix(
+    body: Body, twist: float, cut_degree: int
+) -> None:
     mesh, span = body.mesh, body.mode_range_mm
     section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist)
     matrix = whole_stiffness(section, AXIAL)
@@ -115,6 +124,27 @@ def test_a_prism_that_cannot_bend_or_stretch_is_in_plane_strain(
     sector, _ = condense(plane, mode_loads(mesh, span, 3), mesh)
     expected = AXIAL.width_mm * close_ring(sector, TEETH)
     assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
+
+
+def test_only_sectors_of_mirror_images_are_halved() -> None:
+    mesh = GEAR.mesh
+    inner = np.ones(len(mesh.nodes), dtype=bool)
+    images = images_of(mesh, inner)
+    assert images is not None
+    own = np.arange(len(images))
+    first = (images >= 0) & (images != own)
+    assert 2 * first.sum() + (images == own).sum() == len(images)
+    np.testing.assert_allclose(
+        mesh.nodes[images[first]], mesh.nodes[first] * [1.0, -1.0], rtol=0, atol=1e-12
+    )
+    moved = mesh.nodes.copy()
+    moved[np.flatnonzero(first)[0], 0] += 1e-9
+    assert images_of(replace(mesh, nodes=moved), inner) is None
+    one_held = inner.copy()
+    one_held[np.flatnonzero(first)[0]] = False
+    assert images_of(mesh, one_held) is None
+    ((kind, cells),) = mesh.cells
+    assert images_of(replace(mesh, cells=((kind, cells[1:]),)), inner) is None
 
 
 def test_every_inner_node_is_eliminated_once_and_fronts_stay_small() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.finite_elements import section_stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
@@ -12,18 +13,23 @@ from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.near_field import mode_loads
 from tests.support.plain_prism import product_loads, unknowns, whole_stiffness
 from tests.support.plane_sectors import STEEL
-from tests.support.ring_bodies import gear_body
+from tests.support.ring_bodies import gear_body, ring
 from tests.support.tolerances import CLOSURE
 
 AXIAL = AxialBasis((-3.0, 4.0), 3)
 CUT_DEGREE = 1
+#: By twist; the axis of symmetry of the ring is not that of x.
+BODIES = {
+    0.0: gear_body(17, 4.5),
+    0.04: build_involute_body(ring(teeth=60), "body_2", flank_element_mm=3.0),
+}
 
 
 class Sector:
     """A condensed sector with its fronts, and its whole stiffness."""
 
     def __init__(self, twist: float, nodes: np.ndarray | None = None) -> None:
-        body = gear_body(17, 4.5)
+        body = BODIES[twist]
         mesh, span = body.mesh, body.mode_range_mm
         section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist)
         self.mesh, self.matrix = mesh, whole_stiffness(section, AXIAL)
