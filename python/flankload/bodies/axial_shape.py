@@ -100,6 +100,11 @@ class AxialShape:
         return self.range_mm[1] - self.range_mm[0]
 
     @property
+    def middle_mm(self) -> float:
+        """Position of the middle of the face width, mm."""
+        return 0.5 * (self.range_mm[0] + self.range_mm[1])
+
+    @property
     def hand_sign(self) -> int:
         """1 for a right-hand helix, -1 for a left-hand one, 0 without a helix."""
         return int(np.sign(self.twist_rad_per_mm))
@@ -115,6 +120,10 @@ class AxialShape:
     def flexible(self) -> FlexibleShaft | None:
         """The shaft, if it bends and twists under the teeth."""
         return None if self.shaft is None else self.shaft.flexible
+
+    def in_mirror_image(self) -> AxialShape:
+        """The shape behind a mirror along the axis, in which the helix has the other hand."""
+        return replace(self, twist_rad_per_mm=-self.twist_rad_per_mm)
 
     def zeta(self, z_mm: Floats) -> Floats:
         """Relative axial positions: 0 at the end of smaller z, 1 at that of larger z."""

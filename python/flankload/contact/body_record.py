@@ -88,11 +88,13 @@ def _axial_modes(contact: FlankContact, z: int) -> AxialModes | None:
 
 
 def packed_mesh(
-    n_sites: int, center_distance_mm: float, grid: Grid, level: Level
+    mesh: GearMesh, grid: Grid, level: Level, twist_rad_per_mm: float = 0.0
 ) -> NDArray[np.float64]:
-    """Record of a plane mesh."""
-    arguments = (n_sites, _axes(center_distance_mm), 0.0, _settings(grid, level))
-    return _packed(_core.flankload_pack_mesh, arguments, [])
+    """Record of a mesh without friction and coast flanks; the twist is that of its body 1."""
+    axes = _axes(mesh.pairing.center_distance_mm)
+    arguments = (core_sites(mesh), axes, twist_rad_per_mm, _settings(grid, level))
+    parts = [] if mesh.slices.plane else [("slices", mesh.slices.edges_mm)]
+    return _packed(_core.flankload_pack_mesh, arguments, parts)
 
 
 def packed_body(
@@ -102,9 +104,10 @@ def packed_body(
     angles_rad: NDArray[np.float64],
     deviations_mm: NDArray[np.float64],
     block: NDArray[np.int64],
-    face_width_mm: float,
+    slices: Slices,
+    which: int,
 ) -> NDArray[np.float64]:
-    """Record of a plane body in several meshes, with its sites mesh after mesh.
+    """Record of a body in several meshes, with its sites mesh after mesh.
 
     Parameters
     ----------
@@ -112,10 +115,19 @@ def packed_body(
         Angle of the flank at each site in the frame of the body, and excess of its material.
     block : (S, S) array
         Blocks of the compliance, from 0.
+    slices : Slices
+        Slices of a mesh; the surface of the flanks in them is that in all meshes.
+    which : int
+        Number of the body in that mesh, from 0.
     """
-    compliance = _of_width(compliance, face_width_mm)
+    compliance = _of_width(compliance, slices.compliance_width_mm)
     parts = _compliance_parts(compliance, np.zeros(0, dtype=np.int64))
-    curve = _active(body, body.curve)
+    axial = None if slices.plane else compliance.modes.axial
+    if axial is not None:
+        parts += _axial_parts(body, axial, coast=compliance.coast is not None)
+    sections = _sections(body, slices, which)
+    parts += _section_parts(sections)
+    curve = sections[0] if sections else _active(body, body.curve)
     arguments = _arguments(body, compliance, curve, angles_rad, deviations_mm, block)
     return _packed(_core.flankload_pack_body, arguments, parts)
 
@@ -154,9 +166,7 @@ def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
     axial = _axial_modes(contact, z)
     if axial is not None:
         parts += _axial_parts(body, axial, coast=coast)
-    if sections:
-        flanks = [_powers_first(curve).ravel(order="F") for curve in sections]
-        parts.append(("sections", np.concatenate(flanks)))
+    parts += _section_parts(sections)
     curve = sections[0] if sections else _active(body, body.curve)
     arguments = _main_arguments(mesh, compliance, z, curve)
     return _packed(_core.flankload_pack_body, arguments, parts)
@@ -232,6 +242,14 @@ def _sections(body: Body, slices: Slices, z: int) -> list[FlankCurve]:
     if removed is None:
         return []
     return [_active(body, curve) for curve in section_curves(body, removed)]
+
+
+def _section_parts(sections: list[FlankCurve]) -> list[Part]:
+    """Part of a body whose flanks differ between slices."""
+    if not sections:
+        return []
+    flanks = [_powers_first(curve).ravel(order="F") for curve in sections]
+    return [("sections", np.concatenate(flanks))]
 
 
 def _active(body: Body, curve: FlankCurve) -> FlankCurve:

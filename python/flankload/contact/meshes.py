@@ -140,6 +140,18 @@ def with_support(body: NDArray[np.float64], compliance: NDArray[np.float64]) -> 
     return packed_parts(body, [("support", np.asarray(compliance, dtype=float).ravel(order="F"))])
 
 
+def with_shaft(
+    body: NDArray[np.float64], compliance: NDArray[np.float64], z_mm: float
+) -> NDArray[np.float64]:
+    """Record of a body with a width on springs.
+
+    `compliance` (6, 6), symmetric: displacements, mm, and rotations, rad, of its section at `z_mm`
+    in the fixed frame per force, N, and moment, N mm; without rotation about its axis.
+    """
+    values = np.append(np.asarray(compliance, dtype=float).ravel(order="F"), z_mm)
+    return packed_parts(body, [("shaft", values)])
+
+
 def solve_meshes(
     bodies: Sequence[NDArray[np.float64]],
     meshes: Sequence[NDArray[np.float64]],

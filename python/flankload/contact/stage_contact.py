@@ -3,102 +3,46 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.base.rotation import directions
-from flankload.contact.body_record import packed_body, packed_mesh
+from flankload.contact.body_record import core_sites, packed_body, packed_mesh
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.meshes import (
     Members,
     Motion,
     solve_meshes,
     with_members,
+    with_shaft,
     with_support,
 )
 from flankload.contact.status import raise_first_failure
-from flankload.contact.sweep import Sweep
+from flankload.contact.sweep import Sweep, over_slices
+from flankload.pairing.gear_pair import cosine_base_helix
 from flankload.pairing.stage_paths import paths_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from flankload.base.arrays import Floats, Numbers
+    from flankload.bodies.axial_shape import AxialShape
     from flankload.bodies.body import Body
     from flankload.contact.flank_contact import Level
-    from flankload.contact.meshes import MeshStates
+    from flankload.contact.meshes import MeshStates, Motion
+    from flankload.contact.stage_supports import StageSupports
     from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
+    from flankload.pairing.gear_mesh import GearMesh
     from flankload.pairing.stage import StageMesh, StagePairing
     from flankload.pairing.stage_errors import StageErrors
     from flankload.scene.discretization import Grid
 
-Floating = Literal["none", "sun", "ring", "carrier"]
 #: Torque in place of none, N mm per mm of the centre distance and of the face width: deflections by
 #: it are of the order of rounding errors. States without load are limits for vanishing torques, in
 #: which the members that float still follow from the balance of their forces.
 VANISHING = 1e-5
-
-
-@dataclass(frozen=True)
-class StageSupports:
-    """How the members of a stage are held.
-
-    Attributes
-    ----------
-    floating : str
-        The member that is free to move in the plane.
-    ring_free : bool
-        Whether the rim of the ring bends freely, so that the ring floats, too.
-    pin_N_per_mm : (float, float) or None
-        Radial and tangential stiffness of each pin; None if they are rigid.
-    sun_N_per_mm : float or None
-        Radial stiffness of the support of a floating sun, if it has one.
-    sun_load_N : (float, float)
-        Weight of the sun in x and y.
-    """
-
-    floating: Floating = "none"
-    ring_free: bool = False
-    pin_N_per_mm: tuple[float, float] | None = None
-    sun_N_per_mm: float | None = None
-    sun_load_N: tuple[float, float] = (0.0, 0.0)
-
-    def pin_compliance(self, angle_rad: float) -> Floats:
-        """(2, 2) Displacement of a planet at a polar angle by its force on the pin, mm/N."""
-        if self.pin_N_per_mm is None:
-            return np.zeros((2, 2))
-        axes = directions(np.array([angle_rad, angle_rad + 0.5 * np.pi]))
-        found = axes.T @ np.diag(1.0 / np.array(self.pin_N_per_mm)) @ axes
-        return np.asarray(0.5 * (found + found.T))
-
-    def motions(self, count: int) -> tuple[Motion, ...]:
-        """Rotations of the sun and of the planets, clockwise, then those of a floating member."""
-        turning = [Motion(0), *(Motion(1 + j, sign=-1) for j in range(count))]
-        bodies = {"sun": (0, 0), "carrier": (1, count), "ring": (1 + count, 1 + count)}
-        member = self.moving
-        if member is None:
-            return tuple(turning)
-        body, last = bodies[member]
-        return (*turning, Motion(body, "x", last=last), Motion(body, "y", last=last))
-
-    @property
-    def moving(self) -> Literal["sun", "ring", "carrier"] | None:
-        """The member that moves in the plane without springs."""
-        if self.ring_free:
-            return "ring"
-        if self.floating == "none" or (self.floating == "sun" and self.sun_N_per_mm is not None):
-            return None
-        return self.floating
-
-    def loads(self, torques_Nmm: Sequence[float] | Floats, count: int) -> Floats:
-        """(T, q) Loads of the motions."""
-        found = np.zeros((len(torques_Nmm), len(self.motions(count))))
-        found[:, 0] = torques_Nmm
-        if self.moving == "sun":
-            found[:, 1 + count :] = self.sun_load_N
-        return found
 
 
 @dataclass(frozen=True)
@@ -113,9 +57,10 @@ class StageContact:
     ----------
     bodies, compliances : of sun, planet, ring
     pairing : StagePairing
+    meshes : tuple of 2n GearMesh
+        As in the pairing, with their slices.
     errors : StageErrors
     supports : StageSupports
-    face_width_mm : float
     grid : Grid
     level : str
         As of `FlankContact`.
@@ -124,9 +69,9 @@ class StageContact:
     bodies: tuple[Body, Body, Body]
     compliances: tuple[BodyCompliance, BodyCompliance, BodyCompliance]
     pairing: StagePairing
+    meshes: tuple[GearMesh, ...]
     errors: StageErrors
     supports: StageSupports
-    face_width_mm: float
     grid: Grid
     level: Level = "pairs"
 
@@ -137,63 +82,84 @@ class StageContact:
 
     @property
     def site_counts(self) -> tuple[int, ...]:
-        """(2n,) Number of sites of each mesh."""
-        return tuple(mesh.pairing.sites.size for mesh in self.pairing.meshes)
+        """(2n,) Number of sites of each mesh in the core: slices of its pairs of flanks."""
+        return tuple(core_sites(mesh) for mesh in self.meshes)
+
+    @cached_property
+    def springs(self) -> Floats:
+        """(n + 2, 6, 6) Compliances of the supports of sun, planets and ring."""
+        return self.supports.compliances(self.pairing.angles_rad)
 
     def body_records(self) -> list[Floats]:
         """Records of sun, planets and ring."""
-        n, meshes = self.count, self.pairing.meshes
+        n, meshes = self.count, self.meshes
+        excess = 0.5 * self.errors.thickness_mm / cosine_base_helix(self.bodies[1])
         planets = [
-            self._record(1, [(meshes[j], 1), (meshes[n + j], 0)], working=1, planet=j)
+            self._record(1, [(meshes[j], 1), (meshes[n + j], 0)], 1, excess_mm=excess[j])
             for j in range(n)
         ]
-        return [
-            self._record(0, [(mesh, 0) for mesh in meshes[:n]], working=n),
+        records = [
+            self._record(0, [(mesh, 0) for mesh in meshes[:n]], n),
             *planets,
-            self._record(2, [(mesh, 1) for mesh in meshes[n:]], working=0),
+            self._record(2, [(mesh, 1) for mesh in meshes[n:]], 0),
         ]
+        return [self._on_springs(b, record) for b, record in enumerate(records)]
 
     def _record(
-        self,
-        which: int,
-        places: list[tuple[StageMesh, int]],
-        *,
-        working: int,
-        planet: int | None = None,
+        self, which: int, places: list[tuple[GearMesh, int]], working: int, excess_mm: float = 0.0
     ) -> Floats:
         """Record of a body with its places in meshes; the first ones are on its working flanks.
 
-        Flanks of meshes with the ring are coast flanks, of the whole body in its mirror image.
+        Flanks of meshes with the ring are coast flanks.
         """
         body, compliance = self.bodies[which], self.compliances[which]
-        pairings = [(mesh.pairing, z) for mesh, z in places]
-        angles = np.concatenate([pairing.site_angles_rad[z] for pairing, z in pairings])
-        deviations = np.concatenate([pairing.site_deviations_mm[z] for pairing, z in pairings])
-        teeth = np.concatenate([pairing.site_teeth[z] for pairing, z in pairings])
-        n_working = sum(pairing.sites.size for pairing, _ in pairings[:working])
-        if not working:  # the mirror image of the whole body, whose teeth run clockwise
+        angles, deviations, slices_of_sites = [], [], []
+        for mesh, z in places:
+            pairing, slices = mesh.pairing, mesh.slices
+            angles.append(slices.site_angles(pairing.site_angles_rad[z], z))
+            excess = pairing.site_deviations_mm[z] + excess_mm
+            deviations.append(slices.site_deviations(excess, z))
+            slices_of_sites.append(np.full(pairing.sites.size, slices.count))
+        teeth = np.concatenate([mesh.pairing.site_teeth[z] for mesh, z in places])
+        n_working = sum(mesh.pairing.sites.size for mesh, _ in places[:working])
+        if not working and compliance.coast is None:
+            # coast flanks are the working flanks of the mirror image, whose teeth run clockwise
             teeth, n_working = -teeth % body.teeth, teeth.size
-        support = np.zeros((3, 3))
-        if planet is not None:
-            deviations = deviations + 0.5 * self.errors.thickness_mm[planet]
-            support[:2, :2] = self.supports.pin_compliance(float(self.pairing.angles_rad[planet]))
-        elif which == 0 and self.supports.sun_N_per_mm is not None:
-            support[:2, :2] = np.eye(2) / self.supports.sun_N_per_mm
-        record = packed_body(
+        block = compliance.blocks_of_sites(teeth, n_working, body.teeth)
+        counts = np.concatenate(slices_of_sites)
+        mesh, z = places[0]
+        return packed_body(
             body,
             compliance,
-            angles_rad=angles,
-            deviations_mm=deviations,
-            block=compliance.blocks_of_sites(teeth, n_working, body.teeth),
-            face_width_mm=self.face_width_mm,
+            angles_rad=np.concatenate(angles),
+            deviations_mm=np.concatenate(deviations),
+            block=block.repeat(counts, axis=0).repeat(counts, axis=1),
+            slices=mesh.slices,
+            which=z,
         )
-        return with_support(record, support) if support.any() else record
+
+    def _on_springs(self, b: int, record: Floats) -> Floats:
+        """The record of a body of the core with its support, if that moves."""
+        compliance = self.springs[b]
+        if not compliance.any():
+            return record
+        axial = self.axial_shape(b)
+        if not axial.plane:
+            return with_shaft(record, compliance, axial.middle_mm)
+        support = np.zeros((3, 3))
+        support[:2, :2] = compliance[:2, :2]
+        return with_support(record, support)
+
+    def axial_shape(self, b: int) -> AxialShape:
+        """Shape along the axis of a body of the core."""
+        return self.bodies[0 if b == 0 else 1 if b <= self.count else 2].axial
 
     def mesh_records(self) -> list[Floats]:
         """Records of the meshes: those with the sun, then those with the ring."""
         n, sites = self.count, self.site_counts
         found = []
         for k, mesh in enumerate(self.pairing.meshes):
+            own = self.meshes[k]
             j = mesh.planet
             with_ring = k >= n
             members = Members(
@@ -202,10 +168,9 @@ class StageContact:
                 mesh.frame_rad,
                 mesh.sense,
             )
-            distance = self.pairing.center_distance_mm
-            found.append(
-                with_members(packed_mesh(sites[k], distance, self.grid, self.level), members)
-            )
+            twist = own.body_1.axial.twist_rad_per_mm
+            record = packed_mesh(own, self.grid, self.level, twist)
+            found.append(with_members(record, members))
         return found
 
 
@@ -217,7 +182,7 @@ class StageSweep:
     ----------
     planets : Sweep
         With a site for each planet: its force in the mesh with the sun, the largest pressure of
-        both its meshes. Without pairs.
+        both its meshes.
     meshes : tuple of 2n Sweep
         Those with the sun, then those with the ring; the rotation is the approach of both flanks
         along the line of action over the base radius of body 1.
@@ -253,7 +218,7 @@ def stage_problem(
     """
     pairing, supports = contact.pairing, contact.supports
     torques = np.asarray(torques_Nmm, dtype=float)
-    least = VANISHING * contact.face_width_mm * pairing.center_distance_mm
+    least = VANISHING * contact.meshes[0].face_width_mm * pairing.center_distance_mm
     return (
         contact.body_records(),
         contact.mesh_records(),
@@ -330,25 +295,30 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
         base_radius = contact.bodies[1 if mesh.with_ring else 0].base_radius_mm or 1.0
         own: dict[str, Any] = {name: parts[m] for name, parts in sites.items()}
         meshes.append(
-            Sweep(
-                torque_Nmm=_nominal_torque(contact, mesh, torque_Nmm),
-                rotation_rad=approach[:, m] / base_radius,
-                tangent_rad_per_Nmm=np.zeros(len(approach)),
-                site_force_per_torque=np.zeros_like(own["site_force_N"]),
-                n_pairs=first.count,
-                pairs=first,
-                **of_torque,
-                **own,
+            over_slices(
+                Sweep(
+                    torque_Nmm=_nominal_torque(contact, mesh, torque_Nmm),
+                    rotation_rad=approach[:, m] / base_radius,
+                    tangent_rad_per_Nmm=np.zeros(len(approach)),
+                    site_force_per_torque=np.zeros_like(own["site_force_N"]),
+                    n_pairs=first.count,
+                    pairs=first,
+                    **of_torque,
+                    **own,
+                ),
+                contact.meshes[m].slices,
             )
         )
+    force = np.stack([mesh.site_force_N.sum(axis=1) for mesh in meshes[:n]], axis=-1)
+    peak, corner = _largest_peaks(meshes, n)
     planets = Sweep(
         torque_Nmm=torque_Nmm,
         rotation_rad=motions[:, 0],
         tangent_rad_per_Nmm=tangent[:, 0, 0],
-        site_force_N=_by_planet(sites["site_force_N"][:n], np.sum),
-        site_peak_N_per_mm=_largest_peaks(sites, n)[0],
-        site_corner=_largest_peaks(sites, n)[1],
-        site_force_per_torque=_by_planet(sites["site_force_N"][:n], np.sum) / (torque_Nmm or 1.0),
+        site_force_N=force,
+        site_peak_N_per_mm=peak,
+        site_corner=corner,
+        site_force_per_torque=force / (torque_Nmm or 1.0),
         n_pairs=n_pairs,
         pairs=found.pairs[t],
         **of_torque,
@@ -358,18 +328,12 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
     return StageSweep(planets, tuple(meshes), moved, found.resultant[:, t], carrier, motions)
 
 
-def _by_planet(parts: Sequence[Floats], reduce: Any) -> Floats:
-    """(P, n) Reduction of the sites of one mesh per planet."""
-    return np.stack([reduce(part, axis=1) for part in parts], axis=-1)
-
-
-def _largest_peaks(sites: dict[str, list[Any]], n: int) -> tuple[Floats, Numbers]:
+def _largest_peaks(meshes: Sequence[Sweep], n: int) -> tuple[Floats, Numbers]:
     """(P, n) Largest force over cell width in both meshes of each planet, and the corner there."""
-    peaks, corners = sites["site_peak_N_per_mm"], sites["site_corner"]
     found = []
-    for j in range(n):
-        peak = np.concatenate([peaks[j], peaks[n + j]], axis=1)
-        corner = np.concatenate([corners[j], corners[n + j]], axis=1)
+    for both in zip(meshes[:n], meshes[n:], strict=True):
+        peak = np.concatenate([mesh.site_peak_N_per_mm for mesh in both], axis=1)
+        corner = np.concatenate([mesh.site_corner for mesh in both], axis=1)
         at = peak.argmax(axis=1)[:, None]
         found.append([np.take_along_axis(part, at, axis=1)[:, 0] for part in (peak, corner)])
     return tuple(np.stack(part, axis=-1) for part in zip(*found, strict=True))  # type: ignore[return-value]
@@ -389,11 +353,8 @@ def _displacements(contact: StageContact, motions: Floats, resultants: Floats) -
         if motion.kind != "rotation":
             bodies = slice(motion.body, motion.through + 1)
             moved[:, bodies, "xy".index(motion.kind)] += motion.sign * column[:, np.newaxis]
-    if supports.sun_N_per_mm is not None:
-        moved[:, 0] += resultants[:, 0, :2] / supports.sun_N_per_mm
-    for j, angle in enumerate(contact.pairing.angles_rad):
-        moved[:, 1 + j] += resultants[:, 1 + j, :2] @ supports.pin_compliance(float(angle))
-    return moved
+    springs = contact.springs[:, :2, :2]
+    return moved + np.einsum("pbx,bxy->pby", resultants[:, :, :2], springs)
 
 
 def _approaches(contact: StageContact, motions: Floats, moved_mm: Floats) -> Floats:

@@ -227,10 +227,9 @@ def sweep(
         holds=core.holds,
     )
     by_torque = (_sweep_of(found, mesh.pairing, t, torque) for t, torque in enumerate(torques))
-    if mesh.slices.plane:
-        return tuple(by_torque)
-    spent.count(slices=mesh.slices.count * positions.size * torques.size)
-    return tuple(_over_slices(one, mesh.slices) for one in by_torque)
+    if not mesh.slices.plane:
+        spent.count(slices=mesh.slices.count * positions.size * torques.size)
+    return tuple(over_slices(one, mesh.slices) for one in by_torque)
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
@@ -260,8 +259,10 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
     )
 
 
-def _over_slices(found: Sweep, slices: Slices) -> Sweep:
-    """Results of the sites, from those of their slices."""
+def over_slices(found: Sweep, slices: Slices) -> Sweep:
+    """Results of the sites, from those of their slices; unchanged in the plane."""
+    if slices.plane:
+        return found
     sums, states = _summed(found, slices)
     coast = found.coast
     if coast is not None:

@@ -25,10 +25,10 @@ from flankload.pairing.body_pair import BodyJob
 from flankload.scene.axial import degrees_of
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import effects_of
-from flankload.scene.steps import REDUCED_MODES
+from flankload.scene.steps import REDUCED_DEGREES, REDUCED_MODES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from flankload.bodies import Body
     from flankload.mechanisms.stage_clock import Kept, StageClock
@@ -87,7 +87,7 @@ def elements_call(
             prism_of(own, scene),
             n_modes=modes_of(own, scene, discretization),
             friction=has_tangential_loads(body, effects) or tangential,
-            coast_flanks=scene.effects.coast_flank,
+            coast_flanks=job.coast_flanks or scene.effects.coast_flank,
             fillets=job.fillets,
             estimate=estimate,
         )
@@ -251,6 +251,24 @@ def reduced_compliances(
     if any(each.fe_error is not None for each in compliances):
         found["elements"] = {"compliances": tuple(each.with_fe_error(1.0) for each in compliances)}
     return found
+
+
+def reduced_over_width(
+    compliances: tuple[BodyCompliance, ...], coarser: Mapping[str, object]
+) -> dict[str, Mapping[str, object]]:
+    """Arguments of the sweeps that show the errors of degrees along the axis and of slices.
+
+    `coarser`: arguments of a sweep with half as many slices.
+    """
+
+    def fewer(degrees: int) -> dict[str, object]:
+        return {"compliances": tuple(each.fewer_axial_modes(degrees) for each in compliances)}
+
+    return {
+        "axial": fewer(REDUCED_DEGREES),
+        "slices": coarser,
+        f"axial{BEFORE}": fewer(2 * REDUCED_DEGREES),
+    }
 
 
 def account_errors_of_elements(

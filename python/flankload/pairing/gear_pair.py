@@ -153,11 +153,11 @@ def gear_geometry(
         usable_contact_ratio=usable,
         overlap_ratio=overlap,
         backlash_mm=backlash,
-        normal_backlash_mm=backlash * cos(angle) * _cosine_base_helix(body_1),
+        normal_backlash_mm=backlash * cos(angle) * cosine_base_helix(body_1),
     )
 
 
-def _cosine_base_helix(body: Body) -> float:
+def cosine_base_helix(body: Body) -> float:
     """Cosine of the helix angle on the base cylinder."""
     assert body.involute is not None
     twist = body.axial.twist_rad_per_mm

@@ -33,6 +33,7 @@ from flankload.pairing.pairing import (
     pitch_turns,
     teeth_until_alike,
 )
+from flankload.pairing.slices import reached_positions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -230,6 +231,7 @@ def stage_pairing(
     pair_ring = _paired(RING_MESH, (planet, ring), center_distance_mm)
     rate = sun.teeth / planet.teeth
     assert planet.involute is not None
+    image = replace(planet, axial=planet.axial.in_mirror_image())
     # the planet's frame in the mirror image at position zero of its mesh with the sun
     mirrored = pi - pair_sun.turns_at_zero_rad[1] - 2.0 * planet.involute.turn_rad
     base = (mirrored - pair_ring.turns_at_zero_rad[0]) / pair_ring.pitch_rad
@@ -238,14 +240,15 @@ def stage_pairing(
     for j, (phase, turn) in enumerate(suns):
         offset, frame = phase * pair_sun.pitch_rad, float(angles[j])
         place = _Place((sun, planet), (turn, 0), (1, -1), (-1, 1))
-        own = place.of(pair_sun, offset + position_rad)
+        own = place.of(pair_sun, reached_positions(offset + position_rad, sun))
         meshes[SUN_MESH].append(StageMesh(j, SUN_MESH, own, offset, 1.0, frame, 1))
         back = -round(base + phase)
         first_turn = back if j == 0 else first_turn
         ring_turn = places[j] - turn - (back - first_turn)
         offset = (base + phase + back) * pair_ring.pitch_rad
         place = _Place((planet, ring), (-back, ring_turn), (-1, -1), (0, 1))
-        own = place.of(pair_ring, offset + rate * position_rad)
+        reached = reached_positions(offset + rate * position_rad, image)
+        own = place.of(pair_ring, reached)
         meshes[RING_MESH].append(StageMesh(j, RING_MESH, own, offset, rate, frame + pi, -1))
     return StagePairing(
         angles_rad=angles,

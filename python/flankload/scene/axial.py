@@ -1,6 +1,7 @@
 """Keys of a body along its axis: width, position, helix, lead modifications; and their rules."""
 
 from collections.abc import Mapping
+from itertools import pairwise
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -61,8 +62,16 @@ LEAD_KEYS = (
 )
 #: Keys of axes that are not parallel; the last one is that of splines.
 MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm", "misalignment_mrad")
+#: Keys of a stage by which its members lean.
+STAGE_KEYS = (
+    "pin_tilt_stiffness_Nm_per_mrad",
+    "sun_tilt_stiffness_Nm_per_mrad",
+    "ring_tilt_stiffness_Nm_per_mrad",
+)
 #: Keys of regions narrower or wider than the teeth, which require three dimensions.
 REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
+#: Tables of two bodies that mesh, unless there are planets between them.
+PAIR_OF_BODIES = ("body_1", "body_2")
 BothEnds = Annotated[tuple[Relief, ...], Meta(min_length=2, max_length=2)]
 BothLengths = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=2)]
 
@@ -276,7 +285,12 @@ def axial_range(body: AxialKeys, pair_width_mm: float, key: str = "body") -> tup
     return ends
 
 
-def common_range(one: AxialKeys, two: AxialKeys, pair_width_mm: float = 0.0) -> tuple[float, float]:
+def common_range(
+    one: AxialKeys,
+    two: AxialKeys,
+    pair_width_mm: float = 0.0,
+    names: tuple[str, str] = PAIR_OF_BODIES,
+) -> tuple[float, float]:
     """Axial range in which the face widths of two bodies overlap, mm.
 
     `pair_width_mm` is that of bodies without their own. Raises SceneError without an overlap.
@@ -287,10 +301,10 @@ def common_range(one: AxialKeys, two: AxialKeys, pair_width_mm: float = 0.0) -> 
     low, high = max(low_1, low_2), min(high_1, high_2)
     if high <= low:
         refuse(
-            "body_2.axial_offset_mm",
-            f"an offset at which the face widths overlap: body_1 extends from {low_1:g} to "
+            f"{names[1]}.axial_offset_mm",
+            f"an offset at which the face widths overlap: {names[0]} extends from {low_1:g} to "
             f"{high_1:g} mm",
-            f"{two.axial_offset_mm:g}, where body_2 extends from {low_2:g} to {high_2:g} mm",
+            f"{two.axial_offset_mm:g}, where {names[1]} extends from {low_2:g} to {high_2:g} mm",
         )
     return low, high
 
@@ -324,6 +338,9 @@ def three_dimensional_key(scene: "Scene | SceneFile") -> str | None:
 def _varying_key(scene: "Scene | SceneFile") -> str | None:
     """The first key that varies along the axis."""
     pair, widths = scene.pair, []
+    for name in STAGE_KEYS:
+        if getattr(scene.stage, name, None):
+            return f"stage.{name}"
     for key in BODIES:
         body = getattr(scene, key)
         if not isinstance(body, AxialKeys):
@@ -357,20 +374,20 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
                 )
         return
     why = needed_by or "effects.dimension = 3"
-    one, two = asked.body_1, asked.body_2
-    for number, body in enumerate((one, two), start=1):
+    bodies: dict[str, Any] = {name: getattr(asked, name) for name in BODIES}
+    bodies = {name: body for name, body in bodies.items() if body is not None}
+    for name, body in bodies.items():
         if not isinstance(body, AxialKeys):
             refuse(
-                f"body_{number}.kind",
+                f"{name}.kind",
                 f"'gear', 'ring', 'mesh' or a spline, since {why} requires three dimensions, which "
                 "this version has for these bodies",
                 f"'{body.kind}'",
             )
-        body.check_solid(f"body_{number}", why)
-    assert isinstance(one, AxialKeys)
-    assert isinstance(two, AxialKeys)
+        body.check_solid(name, why)
     assert asked.pair is not None
-    _check_pair(one, two, asked.pair.face_width_mm)
+    for names in pairwise(bodies):  # in a stage the planets meet both
+        _check_pair(bodies[names[0]], bodies[names[1]], asked.pair.face_width_mm, names)
     _check_effects(asked, given.get("effects", {}), why)
     degree = accuracy.axial_degree or AXIAL_DEGREE
     if (accuracy.load_degree_z or 0) > degree - DEGREES_ABOVE_LOAD:
@@ -402,35 +419,41 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
             refuse(f"accuracy.{key}", expected, getattr(asked.accuracy, key))
 
 
-def check_hands(sign_1: int, sign_2: int, *, inward: bool) -> None:
+def check_hands(
+    sign_1: int, sign_2: int, *, inward: bool, names: tuple[str, str] = PAIR_OF_BODIES
+) -> None:
     """Check the hands of two helices: equal if body 2 has internal teeth, opposite otherwise.
 
     The signs are 1 for a right hand, -1 for a left hand, 0 without a helix.
     """
-    wanted, how = -sign_1, "the opposite of body_1.hand"
+    first, second = names
+    wanted, how = -sign_1, f"the opposite of {first}.hand"
     if inward:
-        wanted, how = sign_1, "as body_1.hand, since body_2 has internal teeth"
+        wanted, how = sign_1, f"as {first}.hand, since {second} has internal teeth"
     hands = {1: "'right'", -1: "'left'", 0: "nothing"}
     if sign_2 != wanted:
-        refuse("body_2.hand", f"{hands[wanted]}, {how}", hands[sign_2])
+        refuse(f"{second}.hand", f"{hands[wanted]}, {how}", hands[sign_2])
 
 
-def _check_pair(one: AxialKeys, two: AxialKeys, pair_width_mm: float) -> None:
+def _check_pair(
+    one: AxialKeys, two: AxialKeys, pair_width_mm: float, names: tuple[str, str]
+) -> None:
     """Check that the helices of two bodies mesh and that their widths overlap."""
+    first, second = names
     # the rotations of both sections along the axis are in the ratio of the tooth numbers
     expected = two.helix_deg_of(one.turn_per_mm)
     if abs(expected - two.helix_angle_deg) > max(one.helix_tolerance_deg, two.helix_tolerance_deg):
         same = abs(expected - one.helix_angle_deg) <= HELIX_TOLERANCE
         refuse(
-            "body_2.helix_angle_deg",
-            f"{one.helix_angle_deg:g}, as in body_1.helix_angle_deg (parallel axes)"
+            f"{second}.helix_angle_deg",
+            f"{one.helix_angle_deg:g}, as in {first}.helix_angle_deg (parallel axes)"
             if same
-            else f"{expected:.8g}, which on its reference circle has the lead per tooth of body_1 "
+            else f"{expected:.8g}, which on its reference circle has the lead per tooth of {first} "
             "(parallel axes)",
             two.helix_angle_deg,
         )
     if two.inward is not None:
-        check_hands(one.hand_sign, two.hand_sign, inward=two.inward)
-    for z, body in enumerate((one, two), start=1):
-        axial_range(body, pair_width_mm, f"body_{z}")
-    common_range(one, two, pair_width_mm)
+        check_hands(one.hand_sign, two.hand_sign, inward=two.inward, names=names)
+    for name, body in zip(names, (one, two), strict=True):
+        axial_range(body, pair_width_mm, name)
+    common_range(one, two, pair_width_mm, names)

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from msgspec import Meta
 
-from flankload.scene.axial import three_dimensional_key
+from flankload.scene.axial import MISALIGNMENTS, three_dimensional_key
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.gear import Gear, Ring
 from flankload.scene.mates import check_base_pitches
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import (
+    BODIES,
     USUAL_ERRORS,
     USUAL_MODIFICATION,
     Angle,
@@ -40,6 +41,8 @@ Stiffness = Annotated[float, Meta(ge=1e-6, le=1e9)]
 TwoStiffnesses = Annotated[tuple[Stiffness, ...], Meta(min_length=2, max_length=2)]
 #: Usual stiffnesses of pins, bearings and bolts, N/um; 1e3 N/mm is 1 N/um.
 USUAL_STIFFNESS = (0.05, 1e5)
+#: Usual tilting stiffnesses, N m/mrad.
+USUAL_TILTING = (1e-3, 1e5)
 #: Largest distance of a planet from an angle at which it can be assembled, in pitches: the rounding
 #: of an angle in a file.
 ASSEMBLED = 1e-6
@@ -51,6 +54,11 @@ EFFECTS = frozenset(
 WITHOUT = {
     "friction_coefficient": "that friction between several meshes has one solution is not proven",
     "choose": "the choice of effects compares runs of a pair",
+}
+#: Keys of bodies that no member of a stage has, with the reason.
+WITHOUT_IN_BODIES = {
+    "shaft": "the members of a stage are on the supports of [stage]",
+    "tooth_helix_slope_um": "this version has helix slopes of single teeth for two bodies",
 }
 
 
@@ -108,6 +116,32 @@ class Stage(Table, frozen=True, kw_only=True):
             "rigid",
             "N/um",
             usual=USUAL_STIFFNESS,
+        ),
+    ] = None
+    pin_tilt_stiffness_Nm_per_mrad: Annotated[
+        Stiffness | TwoStiffnesses | None,
+        about(
+            "tilting stiffness of each pin with its bearing: a number, or about its radial and "
+            "about its tangential axis; absent = rigid",
+            "N m/mrad",
+            usual=USUAL_TILTING,
+        ),
+    ] = None
+    sun_tilt_stiffness_Nm_per_mrad: Annotated[
+        Stiffness | TwoStiffnesses | None,
+        about(
+            "tilting stiffness of the support of the sun: a number, or about x and about y of the "
+            "carrier; absent = the sun does not tilt",
+            "N m/mrad",
+            usual=USUAL_TILTING,
+        ),
+    ] = None
+    ring_tilt_stiffness_Nm_per_mrad: Annotated[
+        Stiffness | TwoStiffnesses | None,
+        about(
+            "tilting stiffness of the support of the ring, as that of the sun",
+            "N m/mrad",
+            usual=USUAL_TILTING,
         ),
     ] = None
     sun_run_out_um: Annotated[
@@ -197,6 +231,11 @@ class Stage(Table, frozen=True, kw_only=True):
     def pin_stiffness_N_per_mm(self) -> tuple[float, float] | None:
         """Radial and tangential stiffness of a pin, N/mm; None if it is rigid."""
         return _N_per_mm(self.pin_stiffness_N_per_um)
+
+    def tilt_Nmm_per_rad(self, member: str) -> tuple[float, float] | None:
+        """Tilting stiffness of "sun", "pin" or "ring" about two axes, N mm/rad; None if rigid."""
+        stiffness = _N_per_mm(getattr(self, f"{member}_tilt_stiffness_Nm_per_mrad"))
+        return None if stiffness is None else (1000.0 * stiffness[0], 1000.0 * stiffness[1])
 
     @property
     def bolt_stiffness_N_per_mm(self) -> tuple[float, float] | None:
@@ -297,10 +336,29 @@ def _check_members(asked: SceneFile, planet: Gear) -> None:
     if asked.body_2.rigid and asked.stage is not None and asked.stage.ring_support == "bolts":
         refuse("body_2.rigid", "false, with stage.ring_support = 'bolts'", shown(True))
     check_base_pitches(asked.body_1, planet, names=("body_1", "planet"))
-    varying = three_dimensional_key(asked)
-    if varying is not None:
-        expected = "nothing with [stage]: this version has plane stages, without helix and width"
-        refuse(varying.removesuffix(" = 3"), expected, "a value")
+    why = three_dimensional_key(asked)
+    if why is not None:
+        _check_width(asked, why)
+
+
+def _check_width(asked: SceneFile, why: str) -> None:
+    """Refuse keys that a stage with width does not have."""
+    assert asked.stage is not None
+    for body in BODIES:
+        for name, instead in WITHOUT_IN_BODIES.items():
+            if getattr(getattr(asked, body), name):
+                refuse(f"{body}.{name}", f"nothing with [stage]: {instead}", "a value")
+    for name in MISALIGNMENTS:
+        if asked.pair is not None and getattr(asked.pair, name):
+            expected = "nothing with [stage], which has several axes"
+            refuse(f"pair.{name}", expected, getattr(asked.pair, name))
+    if asked.effects.root_stress:
+        expected = f"false, since {why} requires three dimensions: this version has the root stress"
+        refuse("effects.root_stress", f"{expected} of plane stages", shown(value=True))
+    if asked.stage.ring_support != "clamped":
+        expected = f"'clamped', since {why} requires three dimensions: this version has rims that "
+        expected += "bend in plane stages"
+        refuse("stage.ring_support", expected, f"'{asked.stage.ring_support}'")
 
 
 def _check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:

@@ -5,6 +5,8 @@ import pytest
 import flankload as fl
 from tests.support.planetary_stages import four, scene_of
 
+HELICAL = {"helix_angle_deg": 10, "hand": "right"}
+
 
 def refused(**changes):
     with pytest.raises(fl.SceneError) as error:
@@ -110,8 +112,24 @@ def test_planets_that_collide():
             "effects.root_stress: expected false with stage.ring_support = 'bolts'",
         ),
         (
-            {"planet": {"face_width_mm": 10}},
-            "planet.face_width_mm: expected nothing with [stage]: this version has plane stages",
+            {"planet": {"helix_angle_deg": 10, "hand": "left"}},
+            "planet.module_mm: expected",
+        ),
+        (
+            {"body_1": HELICAL, "planet": {**HELICAL, "hand": "left"}, "body_2": HELICAL},
+            "body_2.hand: expected 'left', as planet.hand, since body_2 has internal teeth",
+        ),
+        (
+            {"planet": {"shaft": {"compliance": [[0.0] * 6] * 6}}, "effects": {"dimension": 3}},
+            "planet.shaft: expected nothing with [stage]: the members of a stage are on the sup",
+        ),
+        (
+            {"pair": {"inclination_um_per_mm": 0.1}},
+            "pair.inclination_um_per_mm: expected nothing with [stage], which has several axes",
+        ),
+        (
+            {"effects": {"dimension": 3}, "stage": {"floating": "ring", "ring_support": "free"}},
+            "stage.ring_support: expected 'clamped', since effects.dimension = 3 requires three",
         ),
         ({"planet": {"module_mm": 3.1}}, "planet.module_mm: expected 3, as in body_1.module_mm"),
         (

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies import Body
     from flankload.mechanisms.elements import ElasticBodies
-    from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.body_pair import BodyJob, BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Effects, Work
 
@@ -87,7 +87,8 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         found = _prism(body, work, modes, degrees, estimated)
         found["stress_recoveries"] = recovered = places if work.recoveries else 0
         counted = _without_unasked(found, pair.effects)
-        return found | {"bytes": _prism_bytes(body, counted, recovered * (degrees[0] + 1))}
+        held = _prism_bytes(body, counted, recovered * (degrees[0] + 1))
+        return found | {"bytes": held + _coast_bytes(body, job, counted["unit_loads_normal"])}
     # a sharp tip moves along the flank, too
     corners = not pair.effects.nodal_near_field and has_turned_forces(body)
     if body.mesh is None:
@@ -101,8 +102,7 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     if job.rim:  # its response is part of larger arrays
         return found
     held = _plane_bytes(body.mesh, counted, places, corners=int(corners))
-    if job.coast_flanks and isinstance(body.mesh, SectorMesh):
-        held += WORD * 3 * body.mesh.teeth * modes**2
+    held += _coast_bytes(body, job, modes)
     return found | {"bytes": held + (0 if fillets is None else held_bytes(fillets.points))}
 
 
@@ -129,6 +129,13 @@ def _prism_bytes(body: Body, counted: Mapping[str, int], recovered: int) -> int:
     assert isinstance(body.mesh, SectorMesh)
     normal, tangential = (counted[f"unit_loads_{each}"] for each in ("normal", "tangential"))
     return WORD * body.mesh.teeth * normal * (normal + tangential + recovered)
+
+
+def _coast_bytes(body: Body, job: BodyJob, loads: int) -> int:
+    """Bytes of the responses between working and coast flanks and among coast flanks."""
+    if not job.coast_flanks or not isinstance(body.mesh, SectorMesh):
+        return 0
+    return WORD * 3 * body.mesh.teeth * loads**2
 
 
 def elements_estimated(pair: BodyPair) -> tuple[int, ...]:

@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
-from flankload.analysis.error_rules import BEFORE
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import (
     FEW_CELLS,
@@ -26,7 +25,11 @@ from flankload.contact.status import on_corner
 from flankload.contact.sweep import known_contacts, sweep
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
-from flankload.mechanisms.elements import account_errors_of_elements, reduced_compliances
+from flankload.mechanisms.elements import (
+    account_errors_of_elements,
+    reduced_compliances,
+    reduced_over_width,
+)
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
 from flankload.mechanisms.flank_pair.premises import blame_load
 from flankload.mechanisms.flank_pair.stages import compliances_of, contact_of
@@ -35,7 +38,6 @@ from flankload.mechanisms.stage_clock import StageClock
 from flankload.result.geometry import pair_geometry
 from flankload.result.position_order import order_of
 from flankload.scene.discretization import position_tolerance
-from flankload.scene.steps import REDUCED_DEGREES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -49,7 +51,6 @@ if TYPE_CHECKING:
     from flankload.contact.core_call import KnownContacts
     from flankload.contact.flank_contact import FlankContact
     from flankload.contact.sweep import Sweep
-    from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.mechanisms.protocol import States
     from flankload.pairing.body_pair import BodyPair
@@ -280,24 +281,13 @@ def _weights(pair: BodyPair) -> NDArray[np.float64]:
     ).weights
 
 
-def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, dict[str, object]]:
+def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, Mapping[str, object]]:
     """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
-    found = reduced_compliances(compliances)
+    found: dict[str, Mapping[str, object]] = {**reduced_compliances(compliances)}
     if not pair.slices.plane:
-        found |= {
-            "axial": _each(compliances, lambda body: body.fewer_axial_modes(REDUCED_DEGREES)),
-            "slices": {"mesh": replace(pair, slices=pair.slices.coarser())},
-            f"axial{BEFORE}": _each(
-                compliances, lambda body: body.fewer_axial_modes(2 * REDUCED_DEGREES)
-            ),
-        }
+        coarser = {"mesh": replace(pair, slices=pair.slices.coarser())}
+        return found | reduced_over_width(compliances, coarser)
     return found
-
-
-def _each(
-    compliances: Compliances, change: Callable[[BodyCompliance], BodyCompliance]
-) -> dict[str, object]:
-    return {"compliances": tuple(change(each) for each in compliances)}
 
 
 def _sources(

@@ -10,14 +10,15 @@ import numpy as np
 from msgspec import structs
 
 from flankload.base.rotation import directions
-from flankload.contact.stage_contact import StageContact, StageSupports
+from flankload.contact.stage_contact import StageContact
+from flankload.contact.stage_supports import StageSupports
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import fillets_of, without_ends
 from flankload.mechanisms.flank_pair.rims import rim_notes
 from flankload.mechanisms.scene_bodies import bodies_of, with_file_of
 from flankload.pairing.body_pair import BodyJob
 from flankload.pairing.gear_mesh import GearMesh
-from flankload.pairing.slices import plane_slice
+from flankload.pairing.slices import Slices, plane_slice, slices_of
 from flankload.pairing.stage import StagePairing, repeating_pitches, stage_pairing
 from flankload.pairing.stage_errors import StageErrors
 from flankload.pairing.stage_paths import StagePaths
@@ -56,7 +57,8 @@ class StageAssembly:
     pairing : StagePairing
     errors : StageErrors
     supports : StageSupports
-    face_width_mm : float
+    slices : Slices, Slices
+        Slices of the meshes with the sun, and of those with the ring in their mirror image.
     discretization : Discretization
     effects : Effects
     position_rad : (P,) array
@@ -72,7 +74,7 @@ class StageAssembly:
     pairing: StagePairing
     errors: StageErrors
     supports: StageSupports
-    face_width_mm: float
+    slices: tuple[Slices, Slices]
     discretization: Discretization
     effects: Effects
     position_rad: Floats
@@ -84,17 +86,23 @@ class StageAssembly:
 
     @property
     def meshes(self) -> tuple[GearMesh, ...]:
-        """Gear meshes: those with the sun, then those with the ring."""
+        """Gear meshes: those with the sun, then those with the ring, in their mirror image."""
         sun, planet, ring = self.bodies
+        image = _in_mirror_image(planet), _in_mirror_image(ring)
         return tuple(
             GearMesh(
-                (planet, ring) if mesh.with_ring else (sun, planet),
+                image if mesh.with_ring else (sun, planet),
                 mesh.pairing,
-                plane_slice(self.face_width_mm),
+                self.slices[mesh.with_ring],
                 names=mesh.names,
             )
             for mesh in self.pairing.meshes
         )
+
+    @property
+    def face_width_mm(self) -> float:
+        """Common face width of sun and planets."""
+        return float(self.slices[0].width_mm.sum())
 
     @property
     def closed(self) -> bool:
@@ -116,9 +124,9 @@ class StageAssembly:
             self.bodies,
             compliances,
             self.pairing,
+            self.meshes,
             self.errors,
             self.supports,
-            face_width_mm=self.face_width_mm,
             grid=grid or self.discretization.grid,
             level=scene.effects.contact,
         )
@@ -168,7 +176,7 @@ def assemble(
         pairing=pairing,
         errors=_errors(stage, pairing.angles_rad),
         supports=_supports(stage),
-        face_width_mm=scene.pair.face_width_mm,
+        slices=_slices(scene, bodies),
         discretization=discretization,
         effects=effects,
         position_rad=position_rad,
@@ -183,11 +191,13 @@ def _jobs(
 ) -> tuple[BodyJob, BodyJob, BodyJob]:
     """Purposes of the elements of sun, planet and ring."""
     elastic = [not body.rigid for body in bodies]
+    # in the plane, the coast flanks of a ring are the working flanks of its mirror image
+    wide = not bodies[2].axial.plane
     fillets = [fillets_of(body, name, effects) for name, body in zip(NAMES, bodies, strict=True)]
     return (
         BodyJob(elastic[0], fillets[0]),
         BodyJob(elastic[1], fillets[1], coast_flanks=True),
-        BodyJob(elastic[2], fillets[2], rim=stage.ring_support != "clamped"),
+        BodyJob(elastic[2], fillets[2], coast_flanks=wide, rim=stage.ring_support != "clamped"),
     )
 
 
@@ -214,6 +224,38 @@ def _positions(scene: Scene, teeth: int, period: int) -> tuple[Floats, int | Non
             found=f"{pitches} pitches of {wanted.count} positions",
         )
     return 2 * pi / teeth * np.arange(wanted.count * pitches) / wanted.count, pitches
+
+
+def _slices(scene: Scene, bodies: tuple[Body, Body, Body]) -> tuple[Slices, Slices]:
+    """Slices of both kinds of mesh; the only one of a plane stage."""
+    if bodies[0].axial.plane:
+        only = plane_slice(scene.pair.face_width_mm)
+        return only, only
+    sun, planet, ring = (body.axial for body in bodies)
+    images = planet.in_mirror_image(), ring.in_mirror_image()
+    one, two = (
+        slices_of(
+            shapes,
+            scene.accuracy.slices,
+            graded=scene.effects.contact == "pairs",
+            line_load_mm=scene.accuracy.line_load_length_mm,
+        )
+        for shapes in ((sun, planet), images)
+    )
+    if planet.surface is not None and not np.array_equal(one.edges_mm, two.edges_mm):
+        key = "profile_twist_um" if scene.planet.topography_file is None else "topography_file"  # type: ignore[union-attr]
+        raise SceneError(
+            key=f"planet.{key}",
+            expected="nothing, unless the planets have the same width in common with the sun and "
+            "with the ring",
+            found="a value",
+        )
+    return one, two
+
+
+def _in_mirror_image(body: Body) -> Body:
+    """A body with width in the frame of a mesh with the ring."""
+    return body if body.axial.plane else replace(body, axial=body.axial.in_mirror_image())
 
 
 def _errors(stage: Stage, angles_rad: Floats) -> StageErrors:
@@ -248,6 +290,11 @@ def _supports(stage: Stage) -> StageSupports:
         pin_N_per_mm=stage.pin_stiffness_N_per_mm,
         sun_N_per_mm=None if stiffness is None else 1000.0 * stiffness,
         sun_load_N=_weight(stage),
+        tilt_Nmm_per_rad=(
+            stage.tilt_Nmm_per_rad("sun"),
+            stage.tilt_Nmm_per_rad("pin"),
+            stage.tilt_Nmm_per_rad("ring"),
+        ),
     )
 
 

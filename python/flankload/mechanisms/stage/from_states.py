@@ -14,21 +14,24 @@ from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.status import on_corner
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.stage.assembly import StageAssembly
+from flankload.mechanisms.stage.over_width import loads_over_width
 from flankload.mechanisms.stage.planet_bending import bending_of_planets
 from flankload.mechanisms.stage.rim import motion_of_rim
 from flankload.mechanisms.stage.sliding import sliding_losses
 from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.gear_pair import cosine_base_helix
 from flankload.pairing.stage import orbit_orders, surviving_order
 from flankload.result.geometry import pair_geometry
 from flankload.result.pairs import DrawnBody, PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
 from flankload.result.stage import HIGHEST_ORDER, StageLoads
+from flankload.result.stage_over_width import StageLoadsOverWidth
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.base.arrays import Floats
-    from flankload.contact.stage_contact import StageSweep
+    from flankload.contact.stage_contact import StageContact, StageSweep
     from flankload.mechanisms.stage.states import Compliances, StageStates
     from flankload.scene import Scene
 
@@ -66,7 +69,7 @@ def stage_results(
 ) -> tuple[Result, ...]:
     """Results, one per torque."""
     return tuple(
-        _result(scene, assembly, compliances, found, estimate)
+        _result(scene, assembly, states.contact, found, estimate)
         for found, estimate in zip(states.found, estimates, strict=True)
     )
 
@@ -74,12 +77,13 @@ def stage_results(
 def _result(
     scene: Scene,
     assembly: StageAssembly,
-    compliances: Compliances,
+    contact: StageContact,
     found: StageSweep,
     estimate: Mapping[str, object] | None,
 ) -> Result:
     """Result of a torque."""
-    pairing, width = assembly.pairing, assembly.face_width_mm
+    compliances = contact.compliances
+    pairing, width = assembly.pairing, assembly.slices[0].compliance_width_mm
     planets, sun = found.planets, assembly.bodies[0]
     counters = planets.counters.sum(axis=0, dtype=np.int64).tolist()
     return Result(
@@ -93,14 +97,12 @@ def _result(
         peak_pressure_MPa=planets.site_peak_N_per_mm / width,
         stiffness_tangent_Nm_per_rad=stiffness_Nm_per_rad(planets.tangent_rad_per_Nmm),
         status=planets.status,
-        pair_tables=PairTables(
-            assembly.position_rad.size, partial(_contacts, assembly, found, width)
-        ),
+        pair_tables=PairTables(assembly.position_rad.size, partial(_contacts, assembly, found)),
         corner_contact=on_corner(planets.site_corner),
         pitch_rad=pairing.pitch_rad,
         period_rad=assembly.period_rad,
         closed=assembly.closed,
-        face_width_mm=width,
+        face_width_mm=assembly.face_width_mm,
         estimate=estimate,
         cost={
             "positions": planets.status.size,
@@ -111,14 +113,15 @@ def _result(
         },
         warnings=assembly.notes,
         drawing=_drawing(assembly),
-        drive=_loads(scene, assembly, compliances, found),
+        drive=_loads(scene, assembly, contact, found),
     )
 
 
 def _loads(
-    scene: Scene, assembly: StageAssembly, compliances: Compliances, found: StageSweep
+    scene: Scene, assembly: StageAssembly, contact: StageContact, found: StageSweep
 ) -> StageLoads:
     """Loads of the members."""
+    compliances = contact.compliances
     pairing, n = assembly.pairing, assembly.pairing.count
     sun_force, force = found.planets.site_force_N, found.resultants
     total = sun_force.sum(axis=1)
@@ -127,11 +130,15 @@ def _loads(
     # the moments of all contacts on the ring; the carrier carries the rest of the torques
     ring_torque = -force[:, -1, 2]
     on_planets = np.stack([_force_on_body_2(assembly, found, m) for m in range(n)], axis=1)
+    on_planets *= cosine_base_helix(assembly.bodies[0])
     zs, _, zr = pairing.teeth
     even = pairing.equally_spaced and not assembly.errors.any and assembly.period_pitches == 1
     radial, by_bolts = motion_of_rim(assembly, compliances[2], found)
     with_sun, with_ring = sliding_losses(assembly, found)
-    return StageLoads(
+    plane = assembly.slices[0].plane
+    kind = StageLoads if plane else StageLoadsOverWidth
+    return kind(
+        **({} if plane else loads_over_width(assembly, contact, found)),
         teeth=pairing.teeth,
         center_distance_mm=pairing.center_distance_mm,
         planet_angles_rad=pairing.angles_rad,
@@ -166,11 +173,14 @@ def _force_on_body_2(assembly: StageAssembly, found: StageSweep, m: int) -> Floa
     return mesh.in_carrier(np.stack(parts, axis=-1))
 
 
-def _contacts(assembly: StageAssembly, found: StageSweep, width_mm: float, p: int) -> PairTable:
+def _contacts(assembly: StageAssembly, found: StageSweep, p: int) -> PairTable:
     """Contact pairs of all meshes at a position; sites are planets, the frame is the carrier's."""
     tables = []
     for m, mesh in enumerate(assembly.pairing.meshes):
-        column = found.meshes[m].pairs.columns_at(p)
+        pairs, gears = found.meshes[m].pairs, assembly.meshes[m]
+        column, number, slices = pairs.columns_at(p), pairs.slices_at(p), gears.slices
+        # contact lines are inclined by the base helix angle
+        length = slices.width_mm[number] / cosine_base_helix(gears.body_1)
         own = mesh.in_carrier(np.column_stack([column["x"], column["y"]]))
         if mesh.with_ring:
             own = own + assembly.pairing.centers_mm[mesh.planet]
@@ -186,9 +196,10 @@ def _contacts(assembly: StageAssembly, found: StageSweep, width_mm: float, p: in
                 "normal_x": normal[:, 0],
                 "normal_y": normal[:, 1],
                 "force_N": column["force"],
-                "pressure_MPa": column["force"] / (column["cell"] * width_mm),
+                "pressure_MPa": column["force"] / (column["cell"] * length),
                 "gap_um": 1000.0 * column["gap"],
                 "cell_mm": column["cell"],
+                **({} if slices.plane else {"z_mm": slices.z_mm[number]}),
             }
         )
     return PairTable(**{name: np.concatenate([t[name] for t in tables]) for name in tables[0]})

@@ -49,7 +49,7 @@ def broken_by_load(
         yield torque.broken(DEFLECTION, f"{deflection:.3g} of a module")
     modulus = min(body.material.young_modulus_MPa for body in assembly.bodies)
     smooth = ~on_corner(found.planets.site_corner)
-    peaks = found.planets.site_peak_N_per_mm / assembly.face_width_mm
+    peaks = found.planets.site_peak_N_per_mm / assembly.slices[0].compliance_width_mm
     largest = float(np.max(peaks, initial=0.0, where=smooth)) / modulus
     if largest > PRESSURE.limit:
         yield torque.broken(PRESSURE, f"{largest:.3g} of Young's modulus")

@@ -17,11 +17,13 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.elements import (
     account_errors_of_elements,
     reduced_compliances,
+    reduced_over_width,
     solve_bodies,
 )
-from flankload.mechanisms.flank_pair.prediction import work_of_elements
+from flankload.mechanisms.flank_pair.prediction import SLICE_VARIANTS, work_of_elements
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage_clock import StageClock, elements_stage
+from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,8 +58,10 @@ class StageStates:
 
 def counted_work(scene: Scene, assembly: StageAssembly) -> Counted:
     """Work of the elements, and number of states; that of the estimate is not predicted."""
+    # elements of any body have the work of those of an elastic body 1
+    alike = replace(assembly, effects=replace(assembly.effects, elastic_body_1=True))
     elements: Counted = {
-        elements_stage(name): work_of_elements(scene, assembly, z, NAMES[0])
+        elements_stage(name): work_of_elements(scene, alike, z, NAMES[0])
         for z, (name, job) in enumerate(zip(NAMES, assembly.jobs, strict=True))
         if job.elastic
     }
@@ -68,7 +72,9 @@ def counted_work(scene: Scene, assembly: StageAssembly) -> Counted:
 
 def stage_sweeps(scene: Scene) -> int:
     """Number of sweeps: states, and those of the estimate."""
-    return 1 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
+    if not scene.accuracy.estimate:
+        return 1
+    return 1 + MOST_SWEEPS + (SLICE_VARIANTS if effects_of(scene).three_dimensions else 0)
 
 
 def compliances_of(
@@ -156,8 +162,18 @@ def error_estimates(
             compliances,
             grid if lumped else grid.coarser(),
             weights,
-            variants=reduced_compliances(compliances),
+            variants=_variants(assembly, compliances),
             lumped=(lambda t: measured_error(planets[t], compliances)) if lumped else None,
         )
     account_errors_of_elements(clock, NAMES, compliances)
     return [one.as_dict() for one in estimated]
+
+
+def _variants(assembly: StageAssembly, compliances: Compliances) -> dict[str, Mapping[str, object]]:
+    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
+    found: dict[str, Mapping[str, object]] = {**reduced_compliances(compliances)}
+    if assembly.slices[0].plane:
+        return found
+    one, two = assembly.slices
+    coarser = replace(assembly, slices=(one.coarser(), two.coarser()))
+    return found | reduced_over_width(compliances, {"meshes": coarser.meshes})

@@ -1,0 +1,51 @@
+"""Axial forces, tilts and load factors over the width of a stage, from its states."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.analysis.load_factors import face_load_factor
+from flankload.base.torque import in_newton_metres
+from flankload.contact.stage_wrenches import tilts_of, wrenches_of
+from flankload.result.position_order import order_of
+
+if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
+    from flankload.contact.stage_contact import StageContact, StageSweep
+    from flankload.mechanisms.stage.assembly import StageAssembly
+
+#: Radians in microradians.
+PER_RAD = 1e6
+
+
+def loads_over_width(
+    assembly: StageAssembly, contact: StageContact, found: StageSweep
+) -> dict[str, Floats]:
+    """Fields of `StageLoadsOverWidth` by name."""
+    wrenches = wrenches_of(contact, found.meshes)
+    sun, ring = wrenches[:, 0], wrenches[:, -1]
+    planets, tilts = wrenches[:, 1:-1], PER_RAD * tilts_of(contact, wrenches)
+    weights = weights_of(assembly)
+    factors = [face_load_factor(mesh, weights) for mesh in found.meshes]
+    return {
+        "mesh_face_load_factor": np.reshape(factors, (2, contact.count)),
+        "sun_axial_force_N": sun[:, 2],
+        "ring_axial_force_N": ring[:, 2],
+        "planet_axial_force_N": planets[..., 2],
+        "planet_moment_Nm": in_newton_metres(planets[..., 3:5]),
+        "planet_tilt_urad": tilts[:, 1:-1],
+        "sun_tilt_urad": tilts[:, 0],
+        "ring_tilt_urad": tilts[:, -1],
+    }
+
+
+def weights_of(assembly: StageAssembly) -> Floats:
+    """(P,) Parts of the positions in means over the period."""
+    return order_of(
+        assembly.position_rad,
+        pitch_rad=assembly.pairing.pitch_rad,
+        period_rad=assembly.period_rad,
+        closed=assembly.closed,
+    ).weights

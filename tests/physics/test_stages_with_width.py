@@ -1,0 +1,207 @@
+"""Planetary stages in three dimensions: limits, statics, symmetries, tilts."""
+
+import numpy as np
+import pytest
+
+import flankload as fl
+from flankload.mechanisms.stage.assembly import assemble
+from flankload.mechanisms.stage.states import counted_work
+from tests.support.solving import solve
+from tests.support.stages_with_width import stage, wide
+from tests.support.tolerances import SOLVER
+
+#: Levers of flanks whose curves are accurate to 1e-9 mm (measured 4e-11).
+LEVERS = 1e-9
+#: Curves that are evaluated at other angles.
+TURNED = 1e-11
+#: Change by a rotation of 20 um, which moves contacts along the flanks (measured 3e-5).
+MOVED = 1e-4
+KINDS = ("sun", "ring")
+TILTING = {"pin_tilt_stiffness_Nm_per_mrad": 50}
+
+
+def line_loads(found, planet, kind):
+    """(J,) Forces of all flanks of a mesh at the first position."""
+    return found.mesh(planet, kind).slices.force_N[0].sum(axis=0)
+
+
+def test_a_stage_without_helix_is_the_plane_stage():
+    """Between plane strain and plane stress; a vanishing helix angle changes nothing."""
+    spur = stage(0.0)
+    bounds = [
+        solve(
+            fl.Scene.from_dict(
+                {
+                    name: {key: value for key, value in keys.items() if key not in SOLID}
+                    if isinstance(keys, dict)
+                    else keys
+                    for name, keys in wide(0.0, accuracy={"plane": plane}).items()
+                }
+            )
+        ).transmission_error_um[0]
+        for plane in ("strain", "stress")
+    ]
+    assert bounds[0] < spur.transmission_error_um[0] < bounds[1]
+    nearly = stage(1e-4)
+    np.testing.assert_allclose(nearly.transmission_error_um, spur.transmission_error_um, rtol=1e-6)
+    assert spur.mesh_load_factor[0] == pytest.approx(nearly.mesh_load_factor[0], abs=1e-8)
+
+
+#: Keys that a plane scene does not have.
+SOLID = ("dimension", "slices", "axial_degree", "load_degree_z")
+
+
+@pytest.mark.parametrize("contact", ["lumped", "pairs"])
+def test_statics_of_a_helical_stage(contact):
+    """Torques, axial forces M tan(beta)/r, and the moment that tilts a planet."""
+    found = stage(stage=TILTING, effects={"contact": contact})
+    exact = LEVERS if contact == "lumped" else 1e-5  # cells past the end of an involute
+    radius = 0.5 * 25 * 3.0 / np.cos(np.radians(15.0))
+    axial = 450e3 * np.tan(np.radians(15.0)) / radius
+    loads = found.stage
+    np.testing.assert_allclose(found.ring_torque_Nm, 450 * 59 / 25, rtol=exact)
+    np.testing.assert_allclose(loads.sun_axial_force_N, axial, rtol=LEVERS)
+    np.testing.assert_allclose(loads.ring_axial_force_N, -axial, rtol=exact)
+    np.testing.assert_allclose(loads.planet_axial_force_N, 0.0, atol=exact * axial)
+    moments = np.zeros((3, 2))
+    for j, kind in ((j, kind) for j in range(3) for kind in KINDS):
+        mesh, sense = found.mesh(j + 1, kind), 1 if kind == "sun" else -1
+        x, y, across, up, force, z = _columns(mesh.pair_tables[0])
+        # of the frame of the mesh with its body 1 at the origin; the force is that on body 2
+        slope = -mesh.drawing.axial[0].twist_rad_per_mm * (x * up - y * across)
+        force = sense * force / np.hypot(1.0, slope)
+        x = x - mesh.drawing.center_distance_mm if kind == "sun" else x
+        in_mesh = np.array(
+            [np.sum(force * (y * slope - z * up)), np.sum(force * (z * across - x * slope))]
+        )
+        angle = found.stage.planet_angles_rad[j] + (0.0 if kind == "sun" else np.pi)
+        # a moment is an axial vector, which changes its sign in a mirror image
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        moments[j] += turn @ (in_mesh * [sense, 1.0] if sense > 0 else in_mesh * [-1.0, 1.0])
+    np.testing.assert_allclose(loads.planet_moment_Nm[0], moments / 1000, atol=1e-9 * axial)
+    np.testing.assert_allclose(
+        loads.planet_tilt_urad, loads.planet_moment_Nm * 1000 / 50, rtol=SOLVER
+    )
+
+
+def _columns(table):
+    names = ("x_mm", "y_mm", "normal_x", "normal_y", "force_N", "z_mm")
+    return (getattr(table, name) for name in names)
+
+
+@pytest.mark.parametrize("tilting", [{}, TILTING])
+def test_planets_in_phase_are_alike(tilting):
+    """Symmetric: equal shares, line loads and tilts, turned from planet to planet."""
+    per = 1 / np.cos(np.radians(15.0))
+    found = stage(
+        body_1={"teeth": 24, "tip_diameter_mm": 72 * per + 5.4},
+        planet={"teeth": 18, "tip_diameter_mm": 54 * per + 5.4},
+        body_2={
+            "teeth": 60,
+            "tip_diameter_mm": 180 * per - 4.2,
+            "root_diameter_mm": 180 * per + 7.5,
+            "outer_diameter_mm": 180 * per + 27,
+        },
+        pair={"center_distance_mm": 63 * per},
+        stage=tilting,
+    )
+    np.testing.assert_allclose(found.load_share, 1 / 3, rtol=TURNED)
+    assert np.abs(found.sun_orbit_um).max() < 1e-9
+    for kind in KINDS:
+        first = line_loads(found, 1, kind)
+        for j in (2, 3):
+            np.testing.assert_allclose(
+                line_loads(found, j, kind), first, rtol=0, atol=TURNED * first.max()
+            )
+    tilts = found.stage.planet_tilt_urad[0] @ [1, 1j] * np.exp(-2j * np.pi * np.arange(3) / 3)
+    np.testing.assert_allclose(tilts, tilts[0], rtol=TURNED)
+    assert abs(tilts[0]) > 100 if tilting else abs(tilts[0]) == 0
+
+
+def test_the_other_hand_is_a_mirror_image_over_the_width():
+    slopes = {"body_1": 8.0, "planet": -5.0, "body_2": 3.0}
+    offsets = {"body_1": 1.0, "planet": -0.5, "body_2": 0.0}
+
+    def found(hand):
+        keys = {
+            name: {"helix_slope_um": hand * slope, "axial_offset_mm": hand * offsets[name]}
+            for name, slope in slopes.items()
+        }
+        return stage(15.0, hand, **keys, stage=TILTING)
+
+    right, left = found(1), found(-1)
+    np.testing.assert_allclose(left.transmission_error_um, right.transmission_error_um, rtol=TURNED)
+    for kind in KINDS:
+        forces = line_loads(right, 2, kind)
+        np.testing.assert_allclose(
+            line_loads(left, 2, kind)[::-1], forces, rtol=0, atol=1e-10 * forces.max()
+        )
+
+
+def test_one_planet_is_two_pairs_in_three_dimensions():
+    """Line loads of the internal and of the external pair; a rigid planet couples no flanks."""
+    single = stage(
+        planet={"rigid": True},
+        stage={"planets": 1, "floating": "none"},
+        load={"torque_Nm": 150},
+    )
+    scene = wide(planet={"rigid": True})
+    approach = 0.0
+    for kind, names, ratio in (
+        ("sun", ("body_1", "planet"), 1.0),
+        ("ring", ("planet", "body_2"), 17 / 25),
+    ):
+        mesh = single.mesh(1, kind)
+        pair = {key: scene[key] for key in ("pair", "effects", "accuracy")}
+        pair |= {f"body_{z + 1}": dict(scene[name]) for z, name in enumerate(names)}
+        if kind == "ring":  # in the mirror image
+            for z in (1, 2):
+                pair[f"body_{z}"]["hand"] = "right"
+        pair["load"] = {"torque_Nm": 150 * ratio}
+        pair["positions"] = {"angles_deg": mesh.position_deg.tolist()}
+        own = solve(fl.Scene.from_dict(pair))
+        approach += own.transmission_error_um
+        forces = own.slices.force_N
+        np.testing.assert_allclose(mesh.slices.force_N, forces, rtol=0, atol=1e-8 * forces.max())
+        assert mesh.slices.face_load_factor == pytest.approx(own.slices.face_load_factor, rel=1e-8)
+    np.testing.assert_allclose(single.transmission_error_um, approach, rtol=1e-8)
+
+
+def test_opposite_slopes_of_all_bodies_cancel():
+    """Metal is removed evenly from both flanks of a planet: only the sun turns."""
+    plain = stage()
+    slopes = {"body_1": -10.0, "planet": 10.0, "body_2": -10.0}
+    sloped = stage(**{name: {"helix_slope_um": slope} for name, slope in slopes.items()})
+    change = sloped.transmission_error_um - plain.transmission_error_um
+    np.testing.assert_allclose(change, 20.0, rtol=MOVED)
+    for kind in KINDS:
+        forces = line_loads(plain, 1, kind)
+        np.testing.assert_allclose(
+            line_loads(sloped, 1, kind), forces, rtol=0, atol=MOVED * forces.max()
+        )
+    alone = stage(planet={"helix_slope_um": 10.0})
+    assert (alone.stage.mesh_face_load_factor > plain.stage.mesh_face_load_factor + 0.03).all()
+
+
+def test_a_sun_that_tilts():
+    """Planets in turn load it unevenly; a stiff spring holds it."""
+    rigid = stage(stage={"floating": "none"})
+    soft, held = (
+        stage(stage={"floating": "none", "sun_tilt_stiffness_Nm_per_mrad": stiffness})
+        for stiffness in (0.1, 1e9)
+    )
+    np.testing.assert_allclose(held.transmission_error_um, rigid.transmission_error_um, rtol=1e-8)
+    np.testing.assert_allclose(
+        held.stage.mesh_face_load_factor, rigid.stage.mesh_face_load_factor, rtol=1e-8
+    )
+    assert np.hypot(*soft.stage.sun_tilt_urad[0]) > 10.0
+    assert soft.transmission_error_um[0] > rigid.transmission_error_um[0]
+
+
+def test_the_work_of_the_elements_is_predicted():
+    """Also that of the coast flanks of planets and ring."""
+    scene = fl.Scene.from_dict(wide(body_1={"rigid": True}))
+    stages = fl.solve(scene).cost["stages"]
+    for name, predicted in counted_work(scene, assemble(scene)).items():
+        found = stages[name]["counters"] | {"bytes": stages[name]["bytes"]}
+        assert {key: found.get(key, 0) for key in predicted} == dict(predicted), name
