@@ -113,7 +113,7 @@ def test_planets_that_collide():
         ),
         (
             {"planet": {"helix_angle_deg": 10, "hand": "left"}},
-            "planet.module_mm: expected",
+            "planet.helix_angle_deg: expected 0, as in body_1.helix_angle_deg (parallel axes)",
         ),
         (
             {"body_1": HELICAL, "planet": {**HELICAL, "hand": "left"}, "body_2": HELICAL},

@@ -56,16 +56,18 @@ def test_objects_make_the_scene_of_the_file(path: Path) -> None:
     kind = PAIRS.get(tree["body_1"]["kind"], fl.GearPair)
     tables = {"positions": fl.Positions, "effects": fl.Effects, "accuracy": fl.Accuracy}
     whole = {name: table(**tree[name]) for name, table in tables.items() if name in tree}
+    kind = fl.PlanetaryStage if "stage" in tree else kind
+    names = [name for name in ("body_1", "planet", "body_2") if name in tree]
     pair = kind(
-        body(tree["body_1"]),
-        body(tree["body_2"]),
+        *(body(tree[name]) for name in names),
         name=tree.get("name"),
+        **tree.get("stage", {}),
         **tree.get("pair", {}),
         **tree["load"],
         **whole,
     )
     found, expected = pair.to_scene(), fl.Scene.from_dict(tree)
-    for name in ("name", "body_1", "body_2", "pair", "load", "positions", "effects", "accuracy"):
+    for name in (*names, "name", "stage", "pair", "load", "positions", "effects", "accuracy"):
         assert getattr(found, name) == getattr(expected, name), name
     assert fl.Scene.from_dict(tomllib.loads(pair.to_toml())).to_dict() == found.to_dict()
 
