@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from flankload.base.arguments import require
 from flankload.base.optional import optional
 from flankload.scene import scene_of
-from flankload.studies import sensitivity as derivatives
 from flankload.studies.prepared import Prepared, solve_scene
 
 if TYPE_CHECKING:
@@ -158,6 +157,8 @@ def sensitivity(scene: SceneLike | Prepared, paths: Sequence[str]) -> Sensitivit
     SceneError, FlankloadError
         As `solve`; also if a path leads to no number, or if no close value of it is possible.
     """
+    from flankload.studies import sensitivity as derivatives
+
     if isinstance(scene, Prepared):
         return derivatives.sensitivity(scene.scene, paths, scene.parts)
     return derivatives.sensitivity(scene_of(scene), paths)

@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING
 
 from flankload.bodies.axial_shape import axial_shape
 from flankload.bodies.body import Body, Material, SectorMesh, WholeMesh
-from flankload.bodies.cam.cam import build_cam
-from flankload.bodies.cam.follower import build_follower
 from flankload.bodies.flank_surface import flank_surface
-from flankload.bodies.imported.compliance_body import build_compliance_body
-from flankload.bodies.imported.mesh_body import build_mesh_body
-from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.scene import Cam, ComplianceBody, Follower, MeshBody
 from flankload.scene.axial import axial_range
 from flankload.scene.discretization import DEFAULT
@@ -66,16 +61,26 @@ def build_body(
     """
     assert not isinstance(spec, DriveTable)  # built by their drives
     if isinstance(spec, ComplianceBody):
+        from flankload.bodies.imported.compliance_body import build_compliance_body
+
         return build_compliance_body(spec, key, folder=folder)
     if isinstance(spec, Cam | Follower):
         length, finer = flank_element_mm, DEFAULT.flank_element_parts / flank_element_parts
         if isinstance(spec, Follower):
+            from flankload.bodies.cam.follower import build_follower
+
             return build_follower(spec, key, flank_element_mm=length, fineness=finer)
+        from flankload.bodies.cam.cam import build_cam
+
         return build_cam(spec, key, folder=folder, flank_element_mm=length, fineness=finer)
     ends = None if pair_width_mm is None else axial_range(spec, pair_width_mm, key)
     if isinstance(spec, MeshBody):
+        from flankload.bodies.imported.mesh_body import build_mesh_body
+
         body = build_mesh_body(spec, key, folder=folder)
     else:
+        from flankload.bodies.involute.involute_body import build_involute_body
+
         if flank_element_mm is None:
             flank_element_mm = flank_element_parts * spec.module_mm
             flank_element_mm *= SPLINE_ELEMENT_FACTOR if spec.conforms else 1.0

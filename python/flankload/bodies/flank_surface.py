@@ -17,7 +17,6 @@ from flankload.base.files import path_of
 from flankload.base.number_text import number_of
 from flankload.errors import SceneError
 from flankload.flank import FlankCurve, turned_along
-from flankload.meshes.io.named_arrays import csv_rows
 from flankload.scene.refusal import refuse
 from flankload.scene.table import LARGEST_DEVIATION, USUAL_MODIFICATION
 from flankload.scene.usual import Usual, question
@@ -224,6 +223,8 @@ def _check_cover(
 
 def _read_grid(path: Path, key: str) -> tuple[Floats, Floats, Floats]:
     """Diameters (m,), distances along z (k,) and metal removed (m, k) in um."""
+    from flankload.meshes.io.named_arrays import csv_rows
+
     rows: list[list[float]] = []
     for line in csv_rows(path, key, WANTED):
         # the first cell of the first row names the first column

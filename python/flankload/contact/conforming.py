@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.prism.strip_field import StripField
-
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.elasticity.compliance import BodyCompliance
@@ -40,6 +38,8 @@ def conforming_height(mesh: GearMesh, compliances: Compliances) -> Floats:
 
 def reduced_compliance(mesh: GearMesh, compliances: Compliances) -> tuple[Floats, Floats]:
     """Part q (N,) of the force on each strip of the height, and K (S J, S J), mm/N, symmetric."""
+    from flankload.elasticity.prism.strip_field import StripField
+
     pairing, slices, height = mesh.pairing, mesh.slices, mesh.slices.conforming
     assert height is not None
     fields = [

@@ -18,7 +18,6 @@ from flankload.elasticity.compliance import (
 from flankload.elasticity.compliance.modified_flank import on_modified_flank
 from flankload.elasticity.imported_compliance import imported_compliance
 from flankload.elasticity.nodal_loads import nodes_of
-from flankload.elasticity.prism import Prism, prism_compliance
 from flankload.mechanisms.reuse import Parts
 from flankload.mechanisms.stage_clock import elements_stage
 from flankload.pairing.body_pair import BodyJob
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flankload.bodies import Body
+    from flankload.elasticity.prism import Prism
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.pairing.expansion import BodyLoad
     from flankload.scene import Scene
@@ -81,6 +81,8 @@ def elements_call(
     body_load = job.body_load
     effects, own = effects_of(scene), body.for_elements()
     if effects.three_dimensions:
+        from flankload.elasticity.prism import prism_compliance
+
         return partial(
             prism_compliance,
             own,
@@ -282,6 +284,8 @@ def account_errors_of_elements(
 
 def prism_of(body: Body, scene: Scene) -> Prism:
     """Axial extension of a three-dimensional body, with the polynomial degrees of a scene."""
+    from flankload.elasticity.prism import Prism
+
     axial = body.axial
     degree, load_degree = degrees_of(scene.accuracy)
     return Prism(

@@ -12,7 +12,6 @@ from flankload.errors import ContactError
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms import prepare as prepare_parts
 from flankload.result import Result
-from flankload.studies.tolerance import first_scene, solve_to_tolerance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -62,7 +61,10 @@ class Prepared:
 
 def scene_of_one_run(scene: Scene) -> Scene:
     """The scene of one run: with chosen effects, and the first discretization of a tolerance."""
-    scene = first_scene(scene)
+    if scene.names_tolerance:
+        from flankload.studies.tolerance import first_scene
+
+        scene = first_scene(scene)
     if scene.effects.choose is None:
         return scene
     from flankload.studies.plan.choice import choose_effects
@@ -87,6 +89,8 @@ def solve_scene(
     if not scene.names_tolerance:
         found = _solve_chosen(scene, {}, progress, parts, plan)
         return Result.of_torques(found) if scene.has_torque_list else found[0]
+    from flankload.studies.tolerance import solve_to_tolerance
+
     firsts = iter([plan])  # it concerns the first run
 
     def solve_once(scene: Scene, kept: Kept, progress: Progress | None) -> tuple[Result, ...]:

@@ -9,8 +9,6 @@ import numpy as np
 
 from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
-from flankload.elasticity.loaded_body import loaded_body
-from flankload.elasticity.prism.loaded_prism import loaded_prism
 from flankload.errors import SceneError
 from flankload.mechanisms.elements import prism_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
@@ -260,6 +258,9 @@ def field_bodies(scene: Scene) -> dict[str, FieldsOfBody | str]:
 
     A string gives the reason why a body has no fields.
     """
+    from flankload.elasticity.loaded_body import loaded_body
+    from flankload.elasticity.prism.loaded_prism import loaded_prism
+
     pair = build_bodies(scene)
     found: dict[str, FieldsOfBody | str] = {}
     for z, (name, body) in enumerate(zip(pair.names, pair.bodies, strict=True)):

@@ -17,7 +17,6 @@ from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance.tip_force import has_turned_forces
 from flankload.elasticity.condensed_sector import IN_PLANE
-from flankload.elasticity.prism import prism_unknowns
 from flankload.elasticity.sector_closure import unknowns_of
 from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of
 from flankload.mechanisms.stage_clock import elements_stage
@@ -191,6 +190,8 @@ def _prism(
 
     An estimate of the error of its elements is one of the plane section.
     """
+    from flankload.elasticity.prism import prism_unknowns
+
     degree, load_degree = degrees
     of_profile = [round(part) * modes for part in _loads(work)]
     normal, tangential = (part * (load_degree + 1) for part in of_profile)

@@ -20,7 +20,6 @@ from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
 from flankload.base.number_text import percent
-from flankload.contact.record_files import pair_records
 from flankload.contact.status import on_corner
 from flankload.contact.sweep import known_contacts, sweep
 from flankload.cost import Account, held_bytes
@@ -133,6 +132,8 @@ def flank_states(
 
 def record_files(scene: Scene) -> Mapping[str, Floats]:
     """Records of both bodies, their mesh and their motion; states determine adaptive positions."""
+    from flankload.contact.record_files import pair_records
+
     account, clock = Account(), StageClock(None, PAIR, 1, {})
     pair = with_flank_distance(scene, build_bodies(scene), account)
     pair, compliances = compliances_of(scene, pair, clock, {})
