@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flankload import errors
-    from flankload.api import Prepared, explore, prepare, sensitivity, solve
+    from flankload.analysis.stage_modes import StageModes
+    from flankload.api import Prepared, explore, natural_modes, prepare, sensitivity, solve
     from flankload.contact import (
         ContactState,
         solve_contact,
@@ -114,12 +115,14 @@ __all__ = [
     "SplineHub",
     "SplineShaft",
     "Sprocket",
+    "StageModes",
     "Verification",
     "__version__",
     "accuracy",
     "errors",
     "explore",
     "iso_1328",
+    "natural_modes",
     "optimise",
     "plan",
     "prepare",
@@ -186,6 +189,7 @@ _MODULE_OF_NAME = {
     "Prepared": "api",
     "optimise": "studies.optimisation",
     "explore": "api",
+    "natural_modes": "api",
     "prepare": "api",
     "sensitivity": "api",
     "solve": "api",
@@ -200,6 +204,7 @@ _MODULE_OF_NAME = {
     "verify": "studies.verification",
     "Explorer": "explorer",
     "write_vtu": "export",
+    "StageModes": "analysis.stage_modes",
 }
 
 

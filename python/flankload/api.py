@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from flankload.base.arguments import require
 from flankload.base.optional import optional
+from flankload.mechanisms.registry import modes_of
 from flankload.scene import scene_of
 from flankload.studies.prepared import Prepared, solve_scene
 
 if TYPE_CHECKING:
+    from flankload.analysis.stage_modes import StageModes
     from flankload.explorer import Explorer
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
@@ -162,6 +164,31 @@ def sensitivity(scene: SceneLike | Prepared, paths: Sequence[str]) -> Sensitivit
     if isinstance(scene, Prepared):
         return derivatives.sensitivity(scene.scene, paths, scene.parts)
     return derivatives.sensitivity(scene_of(scene), paths)
+
+
+def natural_modes(scene: SceneLike) -> tuple[StageModes, ...]:
+    """Natural modes of a planetary stage about its states, one entry per torque.
+
+    Bodies are rigid between the contacts, whose tangent stiffness is the mean over a tooth pitch
+    with lumped contact, and the pins and supports of the scene. Masses and moments of inertia are
+    those of the shapes, or `stage.sun_mass_kg` and its like. The carrier turns only if it has
+    `stage.carrier_inertia_kg_m2`.
+
+    Parameters
+    ----------
+    scene : Scene, PlanetaryStage, path or mapping
+        As for `solve`.
+
+    Returns
+    -------
+    tuple of StageModes
+
+    Raises
+    ------
+    SceneError
+        If the scene is impossible or no planetary stage, or a torque is 0.
+    """
+    return modes_of(scene_of(scene))
 
 
 def _check_calls(**calls: object) -> None:

@@ -356,6 +356,7 @@ def _add_check_and_schema(commands: Any) -> None:
     words = "validate a scene or a mesh file and print how it is interpreted"
     add = _command(commands, "check", check, words, ("FILE", "scene (.toml) or mesh file"))
     _add_set(add)
+    add("--modes", "print the natural frequencies of a planetary stage, by its own stiffness")
 
     add = _command(commands, "schema", schema, "print the JSON schema of scene files", None)
     add("--paths", "print a line for each key instead: path, unit, range, meaning")

@@ -19,15 +19,17 @@ def check(arguments: Namespace) -> None:
     from flankload.meshes.io import is_mesh_name
 
     if not is_mesh_name(arguments.file):
-        _check_scene(arguments.file, arguments.settings)
+        _check_scene(arguments.file, arguments.settings, modes=arguments.modes)
         return
     if arguments.settings:
         refuse("--set", "a scene, whose keys it sets", f"the mesh {arguments.file}")
+    if arguments.modes:
+        refuse("--modes", "the scene of a planetary stage", f"the mesh {arguments.file}")
     _check_mesh(arguments.file)
 
 
-def _check_scene(path: Path, settings: Iterable[str]) -> None:
-    from flankload.mechanisms.registry import mechanism_of
+def _check_scene(path: Path, settings: Iterable[str], *, modes: bool) -> None:
+    from flankload.mechanisms.registry import mechanism_of, modes_of
     from flankload.scene import read_scene
     from flankload.scene.derived import derived_rows
     from flankload.studies.tolerance import first_discretization, first_scene
@@ -35,6 +37,7 @@ def _check_scene(path: Path, settings: Iterable[str]) -> None:
     scene = read_scene(path, changes=settings_of(settings))
     picked = first_discretization(scene).tables()
     description = mechanism_of(scene).describe(first_scene(scene))
+    found = modes_of(first_scene(scene)) if modes else ()
     print(f"{scene.name}: a valid scene")
     if derived := derived_rows(scene):
         _print_rows("derived from other keys", derived)
@@ -43,6 +46,10 @@ def _check_scene(path: Path, settings: Iterable[str]) -> None:
     if picked:
         keys = [(key, f"{value}") for table in picked.values() for key, value in table.items()]
         _print_rows(f"initial discretization for a tolerance of {scene.accuracy.tolerance:g}", keys)
+    for one in found:
+        print(f"\nnatural modes at {one.torque_Nm:g} N m, with the mean stiffness of a pitch")
+        _print_rows("inertias", one.inertia_rows())
+        print("\n".join(["", *one.rows()]))
     if description.notes:
         print()
     for note in description.notes:

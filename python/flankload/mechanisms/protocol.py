@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from flankload.analysis.stage_modes import StageModes
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies import Body, SectorMesh, WholeMesh
     from flankload.contact.core_call import KnownContacts
@@ -184,6 +185,8 @@ class Mechanism(Protocol[A, C, S]):
     ----------
     body_names : tuple of str
         Tables of the bodies in the scene; stages and kept compliances are those of these names.
+    modes : callable or None
+        Natural modes of a scene, one entry per torque; None if the kind of drive has none.
     no_flanks_reason : str or None
         None if both bodies are `Body` objects with flanks and elements; otherwise the kind of body
         2 and the reason why they have none, as error lines show them after "found".
@@ -192,6 +195,10 @@ class Mechanism(Protocol[A, C, S]):
     @property
     def body_names(self) -> tuple[str, ...]:
         """Tables of the bodies in the scene."""
+
+    @property
+    def modes(self) -> Callable[[Scene], tuple[StageModes, ...]] | None:
+        """Natural modes of a scene, one entry per torque; None if the kind of drive has none."""
 
     @property
     def no_flanks_reason(self) -> str | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
+    from flankload.analysis.stage_modes import StageModes
     from flankload.mechanisms.protocol import Mechanism
     from flankload.scene import Scene
 
@@ -36,3 +37,12 @@ def require_flanks(scene: Scene) -> None:
             expected="bodies with flanks and elements for that",
             found=reason,
         )
+
+
+def modes_of(scene: Scene) -> tuple[StageModes, ...]:
+    """Natural modes of a stage, one entry per torque; a SceneError for other kinds of drive."""
+    find = mechanism_of(scene).modes
+    if find is None:
+        expected = "a table, for natural modes"
+        raise SceneError(file=scene.file, key="stage", expected=expected, found="nothing")
+    return find(scene)

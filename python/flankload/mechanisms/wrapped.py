@@ -162,6 +162,7 @@ class WrappedMechanism(ABC, Generic[A, S]):
     """Stages that are the same for belts and chains."""
 
     body_names = PAIR
+    modes = None
 
     @abstractmethod
     def assemble(self, scene: Scene) -> A:

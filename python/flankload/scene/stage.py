@@ -39,6 +39,8 @@ Errors = tuple[Deviation, ...]
 Stiffness = Annotated[float, Meta(ge=1e-6, le=1e9)]
 #: Radial and tangential. (msgspec crashes on tuple[float, float] in a union.)
 TwoStiffnesses = Annotated[tuple[Stiffness, ...], Meta(min_length=2, max_length=2)]
+Mass = Annotated[float, Meta(ge=1e-9, le=1e9)]
+Inertia = Annotated[float, Meta(ge=1e-15, le=1e12)]
 #: Usual stiffnesses of pins, bearings and bolts, N/um; 1e3 N/mm is 1 N/um.
 USUAL_STIFFNESS = (0.05, 1e5)
 #: Usual tilting stiffnesses, N m/mrad.
@@ -207,6 +209,34 @@ class Stage(Table, frozen=True, kw_only=True):
             "stiffness of each bolt: a number, or radial and tangential",
             "N/um",
             usual=USUAL_STIFFNESS,
+        ),
+    ] = None
+
+    sun_mass_kg: Annotated[
+        Mass | None, about("mass of the sun, for modes; absent = by its shape", "kg")
+    ] = None
+    sun_inertia_kg_m2: Annotated[
+        Inertia | None,
+        about("moment of inertia of the sun with what it drives; absent = by its shape", "kg m2"),
+    ] = None
+    planet_mass_kg: Annotated[
+        Mass | None, about("mass of a planet with its bearing; absent = by its shape", "kg")
+    ] = None
+    planet_inertia_kg_m2: Annotated[
+        Inertia | None, about("moment of inertia of a planet; absent = by its shape", "kg m2")
+    ] = None
+    ring_mass_kg: Annotated[
+        Mass | None, about("mass of a ring that floats; absent = by its shape", "kg")
+    ] = None
+    carrier_mass_kg: Annotated[
+        Mass | None, about("mass of a floating carrier without its planets", "kg")
+    ] = None
+    carrier_inertia_kg_m2: Annotated[
+        Inertia | None,
+        about(
+            "moment of inertia of the carrier without its planets, with what it drives; absent = "
+            "it does not turn in modes",
+            "kg m2",
         ),
     ] = None
 

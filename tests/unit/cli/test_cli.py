@@ -118,6 +118,23 @@ def test_mesh_writes_both_bodies_with_their_sets(
         assert name in out
 
 
+def test_check_prints_natural_modes_of_stages_only(
+    scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stage = DOCS.parent / "examples/scenes/planetary_stage.toml"
+    code, out, _ = run(capsys, "check", stage, "--modes", "--set", "load.torque_Nm=300")
+    assert code == 0
+    assert "natural modes at 300 N m, with the mean stiffness of a pitch" in out
+    assert re.search(r"^ +\d+\.\d +rotational .* 4, 8, 12, 16, \.\.\.$", out, re.MULTILINE)
+    code, out, err = run(capsys, "check", scene, "--modes")
+    assert (code, out) == (2, "")
+    assert "stage: expected a table, for natural modes, found nothing" in err
+    mesh = DOCS.parent / "examples/meshes/own_pinion.msh"
+    code, _, err = run(capsys, "check", mesh, "--modes")
+    assert code == 2
+    assert "--modes: expected the scene of a planetary stage, found the mesh" in err
+
+
 def test_mesh_as_vtu(scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, _, _ = run(capsys, "mesh", scene, "-o", tmp_path / "m", "--format", "vtu")
     assert code == 0

@@ -45,6 +45,7 @@ class FlankPair:
 
     body_names = PAIR
     no_flanks_reason: str | None = None
+    modes = None
 
     def build(
         self,

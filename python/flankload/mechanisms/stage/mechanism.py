@@ -9,6 +9,7 @@ from flankload.mechanisms.stage import body_files as files
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.description import data_sheet, describe
 from flankload.mechanisms.stage.from_states import stage_results
+from flankload.mechanisms.stage.modes import stage_modes
 from flankload.mechanisms.stage.premises import broken_by_geometry, broken_by_load
 from flankload.mechanisms.stage.states import (
     Compliances,
@@ -47,6 +48,7 @@ class PlanetaryStage:
     compliance_files = staticmethod(files.compliance_files)
     record_files = staticmethod(record_files)
     fields_of_bodies = staticmethod(files.fields_of_bodies)
+    modes = staticmethod(stage_modes)
 
 
 MECHANISM: Mechanism[StageAssembly, Compliances, StageStates] = PlanetaryStage()
