@@ -119,7 +119,7 @@ def test_the_stiffness_is_that_of_the_stage(floating, changes):
 
 def test_modes_of_a_stage(monkeypatch):
     """Equal planets: pure modes, translations in pairs; the lowest ones move the sun."""
-    monkeypatch.setattr("flankload.mechanisms.stage.modes.POSITIONS", 4)
+    monkeypatch.setattr("flankload.mechanisms.stage.modes.POSITIONS", 8)
     scene = scene_of(stage={"pin_stiffness_N_per_um": 300})
     [found] = fl.natural_modes(scene)
     kinds = [mode.kind for mode in found.modes]
