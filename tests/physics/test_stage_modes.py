@@ -23,6 +23,8 @@ from tests.support.tolerances import ROUND_OFF
 PRINTED_HZ = 0.1
 #: Difference quotients while the cells of a contact follow its width (measured 2e-4).
 TANGENT = 1e-3
+#: Ratio of rotations without resistance by the same differences (measured 1e-3 at 4 positions).
+RATIO = 5e-3
 #: Coarse elements and few slices.
 WITH_WIDTH = {
     "effects.dimension": 3,
@@ -133,7 +135,7 @@ def test_modes_of_a_stage(monkeypatch):
     [other] = fl.natural_modes(heavy)
     assert other.frequencies_Hz[0] == 0.0
     shape = other.modes[0].shape
-    assert shape[-1] == pytest.approx(shape[2] * 25 / (25 + 59), rel=TANGENT)
+    assert shape[-1] == pytest.approx(shape[2] * 25 / (25 + 59), rel=RATIO)
     turning = [m.frequency_Hz for m in found.modes if m.kind == "rotational"]
     also = [m.frequency_Hz for m in other.modes if m.kind == "rotational"]
     np.testing.assert_allclose(also[1:], turning, rtol=1e-5)
