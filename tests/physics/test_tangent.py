@@ -113,7 +113,7 @@ def test_tangents_of_parabolas_are_exact() -> None:
         return Sweep(**(numbers | known))  # type: ignore[arg-type]
 
     def run(torques_Nmm: list[float], known: object) -> tuple[Sweep, ...]:
-        assert known is None  # states of slices
+        assert known is None  # lumped
         return tuple(map(state, torques_Nmm))
 
     (found,) = with_tangents((state(5.0),), run)

@@ -24,7 +24,7 @@ from flankload.contact.status import on_corner
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats, Numbers
-    from flankload.contact.sweep import SliceStates, Sweep
+    from flankload.contact.sweep import Sweep
 
 
 #: Additional quantity if coast flanks can carry load.
@@ -189,7 +189,7 @@ def remaining_errors(
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
         errors[COAST] = _at_each(sharing, change, 1.0)
-    if found.slices is not None:
+    if not found.slices.plane:
         errors |= _of_line_loads(rule, found, base, other, weights)
     return errors
 
@@ -201,7 +201,7 @@ def _of_line_loads(
     largest = float(np.max(_line_loads(found, found)))
     change = _line_loads(other, other) - _line_loads(base, other)
     change = change[..., _slices_around(found, other)]
-    change = np.where(on_corner(_slices(found).corner), 0.0, change)
+    change = np.where(on_corner(found.slices.corner), 0.0, change)
     errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest)}
     around = _slices_around(found, other)
     for name, loads_of in (
@@ -219,21 +219,16 @@ def _of_line_loads(
 
 def _line_loads(part: Sweep, on: Sweep) -> Floats:
     """(P, S, J) Force per mm of face width in the slices of `on`, whose edges are among its own."""
-    mine, others = _slices(part), _slices(on)
+    mine, others = part.slices, on.slices
     first = np.searchsorted(mine.edges_mm, others.edges_mm[:-1])
     return np.asarray(np.add.reduceat(mine.force_N, first, axis=2) / np.diff(others.edges_mm))
 
 
 def _slices_around(part: Sweep, other: Sweep) -> Numbers:
     """Slices of another sweep that contain those of a sweep."""
-    edges = _slices(part).edges_mm
+    edges = part.slices.edges_mm
     middle = 0.5 * (edges[1:] + edges[:-1])
-    return np.asarray(np.searchsorted(_slices(other).edges_mm, middle) - 1)
-
-
-def _slices(part: Sweep) -> SliceStates:
-    assert part.slices is not None
-    return part.slices
+    return np.asarray(np.searchsorted(other.slices.edges_mm, middle) - 1)
 
 
 def _of_series(rule: Rule, change: Floats, before: Floats) -> Rule:

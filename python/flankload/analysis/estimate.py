@@ -258,9 +258,8 @@ def estimate_errors(
 def _uncertain_pressure(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> dict[str, str]:
     """The peak pressure with the reason if no estimate bounds its error; else nothing."""
     if on_corner(part.site_corner).any():
-        slices = part.slices
-        ends = slices is not None and not on_corner(slices.corner_off_ends).any()
-        return {"peak_pressure": ON_ENDS if ends else ON_CORNERS}
+        on_tips = on_corner(part.slices.corner_off_ends).any()
+        return {"peak_pressure": ON_CORNERS if on_tips else ON_ENDS}
     return {"peak_pressure": ON_TIPS} if _on_tip(part, compliances) else {}
 
 
@@ -295,7 +294,7 @@ def _of_compliances(
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
     series = not _converges_slowly(part, compliances)
-    of_modes = SERIES if series or coarse.slices is not None else MODES
+    of_modes = SERIES if series or not coarse.slices.plane else MODES
     rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
     errors = {
         source: remaining_errors(
@@ -309,7 +308,7 @@ def _of_compliances(
         for source, other in others.items()
         if not source.endswith(BEFORE)
     }
-    if not nodal and coarse.slices is None:
+    if not nodal and coarse.slices.plane:
         errors["modes"]["peak_pressure"] = peak_of_modes(
             part, coarse, others["modes"], errors["modes"]["load_share"]
         )
@@ -318,7 +317,7 @@ def _of_compliances(
 
 def _converges_slowly(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
     """Whether a contact covers a large part of the shorter flank or, in the plane, is on a tip."""
-    if part.slices is not None:
+    if not part.slices.plane:
         return part.slices.conforming
     if _on_tip(part, compliances):
         return True

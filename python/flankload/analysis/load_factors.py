@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 def line_loads(found: Sweep) -> Floats:
     """(P, S, J) Mean line load of each flank at each position, N/mm."""
     slices = found.slices
-    assert slices is not None
     width = np.diff(slices.edges_mm)
     return mean_line_loads(slices.force_N, width, slices.line_load_mm)
 
@@ -33,7 +32,6 @@ def largest_line_loads(found: Sweep) -> Floats:
 def relative_loads(found: Sweep) -> Floats:
     """(P, J), of flanks that conform (P, S, J), line load over its mean at each position."""
     slices = found.slices
-    assert slices is not None
     width = np.diff(slices.edges_mm)
     return relative_line_loads(slices.force_N, width, slices.line_load_mm, each=slices.conforming)
 
@@ -50,7 +48,6 @@ def loads_over_period(found: Sweep, weights: Floats) -> Floats:
     `weights` (P,) are the parts of the positions. Of flanks that conform as `relative_loads`.
     """
     slices = found.slices
-    assert slices is not None
     if slices.conforming:
         return relative_loads(found)[weights > 0]
     width = np.diff(slices.edges_mm)

@@ -70,7 +70,6 @@ SPREAD = {
 def positions_for_cells(found: Sweep) -> NDArray[np.int64]:
     """Positions of a sweep in slices whose contacts are compared with cells."""
     slices = found.slices
-    assert slices is not None
     corner, force = slices.corner_off_ends, slices.force_N
     which = on_corner(corner), is_marked(corner)
     on_corners, marked = (np.where(loads, force, 0.0).sum(axis=(1, 2)) for loads in which)
@@ -122,7 +121,7 @@ def measured_error(
 
 def lumped_error(found: Sweep, compliances: tuple[BodyCompliance, ...]) -> dict[str, float]:
     """Error of a sweep (with its pairs) under lumped contacts in the plane, or of splines."""
-    if found.slices is not None and found.slices.conforming:
+    if found.slices.conforming:
         return SPREAD | dict.fromkeys(OVERALL, SPREAD["transmission_error"])
     loaded = found.pairs.column("force") > 0
     half_width = np.max(found.pairs.column("cell") * (2.0 / np.pi), initial=0.0, where=loaded)

@@ -57,7 +57,7 @@ def of_positions(
 ) -> dict[str, RemainingError]:
     """`between_positions`, in three dimensions also those of load factors and line load."""
     errors = between_positions(found, window, position_rad, adaptive=adaptive)
-    if found.slices is not None and position_rad.size > 1:
+    if not found.slices.plane and position_rad.size > 1:
         errors[LINE_FACTOR] = _of_largest(line_load_factors(found))
         errors[PEAK_LINE] = _of_largest(largest_line_loads(found))
         errors[FACE_LOAD] = _of_mean_load(found, window, position_rad)
@@ -163,8 +163,6 @@ def _half_loaded(part: Sweep) -> Flags:
     Pairs whose slices enter contact in turn, over more than a step, cause no kink at which the
     rotation is extreme.
     """
-    if part.slices is None:
-        return part.site_force_N != 0
     count = np.count_nonzero(part.slices.force_N, axis=2)
     return np.asarray(2 * count >= max(1, count.max()))
 

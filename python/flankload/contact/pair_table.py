@@ -117,8 +117,8 @@ class PackedPairs:
         n_below = self.count - n_above
         numbers = self.site - np.where(above, site, 0).astype(self.site.dtype)
         return (
-            PackedPairs(numbers, self.table, self.first, n_below),
-            PackedPairs(numbers, self.table, self.first + n_below, n_above),
+            PackedPairs(numbers, self.table, self.first, n_below, self.slice_count),
+            PackedPairs(numbers, self.table, self.first + n_below, n_above, self.slice_count),
         )
 
     @property

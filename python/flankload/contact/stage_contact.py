@@ -19,8 +19,9 @@ from flankload.contact.meshes import (
     with_support,
 )
 from flankload.contact.status import raise_first_failure
-from flankload.contact.sweep import Sweep, over_slices
+from flankload.contact.sweep import SITE_RESULTS, Sweep, over_slices
 from flankload.pairing.gear_pair import cosine_base_helix
+from flankload.pairing.slices import plane_slice
 from flankload.pairing.stage_paths import paths_of
 
 if TYPE_CHECKING:
@@ -280,10 +281,7 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
         name: getattr(found, name)[:, t] for name in ("status", "certificate", "counters")
     }
     ends = np.cumsum(contact.site_counts)
-    sites = {
-        name: np.split(getattr(found, name)[:, t], ends[:-1], axis=1)
-        for name in ("site_force_N", "site_peak_N_per_mm", "site_corner")
-    }
+    sites = [np.split(getattr(found, name)[:, t], ends[:-1], axis=1) for name in SITE_RESULTS]
     pairs = found.pairs[t]
     n_pairs, motions = pairs.count, found.motion[:, t]
     moved = _displacements(contact, motions, found.resultant[:, t])
@@ -293,20 +291,18 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
     for m, mesh in enumerate(contact.pairing.meshes):
         first, pairs = pairs.split_at(contact.site_counts[m])
         base_radius = contact.bodies[1 if mesh.with_ring else 0].base_radius_mm or 1.0
-        own: dict[str, Any] = {name: parts[m] for name, parts in sites.items()}
+        slices, nominal = contact.meshes[m].slices, _nominal_torque(contact, mesh, torque_Nmm)
+        own = over_slices([parts[m] for parts in sites], slices)
         meshes.append(
-            over_slices(
-                Sweep(
-                    torque_Nmm=_nominal_torque(contact, mesh, torque_Nmm),
-                    rotation_rad=approach[:, m] / base_radius,
-                    tangent_rad_per_Nmm=np.zeros(len(approach)),
-                    site_force_per_torque=np.zeros_like(own["site_force_N"]),
-                    n_pairs=first.count,
-                    pairs=first,
-                    **of_torque,
-                    **own,
-                ),
-                contact.meshes[m].slices,
+            Sweep(
+                torque_Nmm=nominal,
+                rotation_rad=approach[:, m] / base_radius,
+                tangent_rad_per_Nmm=np.zeros(len(approach)),
+                site_force_per_torque=own["site_force_N"] / (nominal or 1.0),
+                n_pairs=first.count,
+                pairs=replace(first, slice_count=slices.count),
+                **of_torque,
+                **own,
             )
         )
     force = np.stack([mesh.site_force_N.sum(axis=1) for mesh in meshes[:n]], axis=-1)
@@ -315,9 +311,7 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
         torque_Nmm=torque_Nmm,
         rotation_rad=motions[:, 0],
         tangent_rad_per_Nmm=tangent[:, 0, 0],
-        site_force_N=force,
-        site_peak_N_per_mm=peak,
-        site_corner=corner,
+        **over_slices((force, peak, corner), plane_slice(1.0)),
         site_force_per_torque=force / (torque_Nmm or 1.0),
         n_pairs=n_pairs,
         pairs=found.pairs[t],

@@ -20,13 +20,14 @@ if TYPE_CHECKING:
 
     from flankload.contact.flank_contact import FlankContact
     from flankload.pairing.gear_mesh import GearMesh
-    from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
 
     Record = TypeVar("Record", "Sweep", "CoastSweep", "SliceStates", "UnloadedStates")
 
 #: Fields of a sweep without an axis of positions.
-WITHOUT_POSITIONS = ("torque_Nmm", "edges_mm", "line_load_mm", "sharp_ends", "conforming")
+WITHOUT_POSITIONS = ("torque_Nmm", "edges_mm", "line_load_mm", "sharp_ends", "conforming", "plane")
+#: Results of the core for each site and slice.
+SITE_RESULTS = ("site_force_N", "site_peak_N_per_mm", "site_corner")
 #: Allocated pairs in the first call, per position and torque: twice the usual number.
 INITIAL_PAIRS = 256
 #: The same for contact on all teeth, per site and cell between the middle and the edge of its zone:
@@ -62,6 +63,8 @@ class SliceStates:
         As in `Slices`.
     conforming : bool
         Whether the flanks conform; pressures are then means over the height.
+    plane : bool
+        Whether this is the only slice of a plane mesh, whose peaks are forces over cell widths.
     """
 
     force_N: NDArray[np.float64]
@@ -71,6 +74,7 @@ class SliceStates:
     line_load_mm: float
     sharp_ends: tuple[int, int]
     conforming: bool = False
+    plane: bool = False
 
     @property
     def corner_off_ends(self) -> NDArray[np.int64]:
@@ -124,8 +128,8 @@ class Sweep:
         Pairs of working flanks; empty if they are not stored.
     coast : CoastSweep or None
         Results of the coast flanks, if they can carry load.
-    slices : SliceStates or None
-        Results in slices, if any.
+    slices : SliceStates
+        Results in slices, a single one in the plane.
     unloaded : UnloadedStates or None
         Results without torque, if computed.
     """
@@ -142,19 +146,9 @@ class Sweep:
     site_force_per_torque: NDArray[np.float64]
     n_pairs: NDArray[np.int64]
     pairs: PackedPairs
+    slices: SliceStates
     coast: CoastSweep | None = None
-    slices: SliceStates | None = None
     unloaded: UnloadedStates | None = None
-
-    @property
-    def slice_corner(self) -> NDArray[np.int64]:
-        """(P, S, J) Corner of each slice, one of which in the plane is the site."""
-        return self.site_corner[..., np.newaxis] if self.slices is None else self.slices.corner
-
-    @property
-    def sharp_ends(self) -> tuple[int, int]:
-        """Bodies whose flanks end in a sharp corner at smaller and larger z; 0 for none."""
-        return (0, 0) if self.slices is None else self.slices.sharp_ends
 
     @property
     def turned_rad(self) -> NDArray[np.float64]:
@@ -226,20 +220,19 @@ def sweep(
         has_friction=mesh.friction is not None,
         holds=core.holds,
     )
-    by_torque = (_sweep_of(found, mesh.pairing, t, torque) for t, torque in enumerate(torques))
     if not mesh.slices.plane:
         spent.count(slices=mesh.slices.count * positions.size * torques.size)
-    return tuple(over_slices(one, mesh.slices) for one in by_torque)
+    return tuple(_sweep_of(found, mesh, t, torque) for t, torque in enumerate(torques))
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
     """Pairs in contact in sweeps of the same positions, one for each torque, for similar sweeps.
 
-    None for lumped contacts in slices. States with repeated divisions into cells are left out,
+    None for lumped contacts. States with repeated divisions into cells are left out,
     since their cells depend on previous forces.
     """
     passes = CORE_COUNTERS.index("contact_passes")
-    if any(part.slices is not None and not part.counters[:, passes].any() for part in found):
+    if not any(part.counters[:, passes].any() for part in found):
         return None
     touches, count = [], []
     for part in found:
@@ -259,38 +252,11 @@ def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
     )
 
 
-def over_slices(found: Sweep, slices: Slices) -> Sweep:
-    """Results of the sites, from those of their slices; unchanged in the plane."""
-    if slices.plane:
-        return found
-    sums, states = _summed(found, slices)
-    coast = found.coast
-    if coast is not None:
-        own, _ = _summed(coast, slices)
-        coast = replace(coast, **own, pairs=replace(coast.pairs, slice_count=slices.count))
-    return replace(
-        found,
-        **sums,
-        site_force_per_torque=sums["site_force_N"] / (found.torque_Nmm or 1.0),
-        slices=states,
-        coast=coast,
-        pairs=replace(found.pairs, slice_count=slices.count),
-    )
-
-
-def _summed(found: Sweep | CoastSweep, slices: Slices) -> tuple[dict[str, Any], SliceStates]:
-    """Results of the sites by name, and those of their slices."""
-    shape = (*found.site_force_N.shape[:1], -1, slices.count)
-    force, peak, corner = (
-        part.reshape(shape)
-        for part in (found.site_force_N, found.site_peak_N_per_mm, found.site_corner)
-    )
+def over_slices(parts: Sequence[NDArray[Any]], slices: Slices) -> dict[str, Any]:
+    """Results of the sites and of their slices by name, from `SITE_RESULTS` (P, S J) of these."""
+    shape = len(parts[0]), parts[0].shape[1] // slices.count, slices.count
+    force, peak, corner = (part.reshape(shape) for part in parts)
     corner = with_sharp_ends(corner, force, slices.sharp_ends)
-    sums: dict[str, Any] = {
-        "site_force_N": force.sum(axis=2),
-        "site_peak_N_per_mm": peak.max(axis=2),
-        "site_corner": worst_corner(corner),
-    }
     states = SliceStates(
         force,
         peak,
@@ -299,8 +265,14 @@ def _summed(found: Sweep | CoastSweep, slices: Slices) -> tuple[dict[str, Any], 
         slices.line_load_mm,
         slices.sharp_ends,
         conforming=slices.conforming is not None,
+        plane=slices.plane,
     )
-    return sums, states
+    return {
+        "site_force_N": force.sum(axis=2),
+        "site_peak_N_per_mm": peak.max(axis=2),
+        "site_corner": worst_corner(corner),
+        "slices": states,
+    }
 
 
 def motion_of(mesh: GearMesh, position_rad: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -312,16 +284,19 @@ def motion_of(mesh: GearMesh, position_rad: NDArray[np.float64]) -> NDArray[np.f
     return motion
 
 
-def _sweep_of(found: CoreOutput, pairing: Pairing, t: int, torque_Nmm: float) -> Sweep:
+def _sweep_of(found: CoreOutput, mesh: GearMesh, t: int, torque_Nmm: float) -> Sweep:
     """Results for one torque, with separate results of the coast flanks."""
-    sites = ("site_force_N", "site_peak_N_per_mm", "site_corner")
     of_torque: dict[str, Any] = {name: part[..., t].T for name, part in found.states.items()}
-    pairs, coast = found.pairs_of(t), None
-    if pairing.coast is not None:
-        n = of_torque["site_force_N"].shape[1] // 2
+    sites = [of_torque.pop(name) for name in SITE_RESULTS]
+    pairs = replace(found.pairs_of(t), slice_count=mesh.slices.count)
+    coast = None
+    if mesh.pairing.coast is not None:
+        n = sites[0].shape[1] // 2
         pairs, coast_pairs = pairs.split_at(n)
-        coast = CoastSweep(**{name: of_torque[name][:, n:] for name in sites}, pairs=coast_pairs)
-        of_torque |= {name: of_torque[name][:, :n] for name in sites}
+        own = over_slices([part[:, n:] for part in sites], mesh.slices)
+        coast = CoastSweep(**{name: own[name] for name in SITE_RESULTS}, pairs=coast_pairs)
+        sites = [part[:, :n] for part in sites]
+    of_torque |= over_slices(sites, mesh.slices)
     return Sweep(
         torque_Nmm=float(torque_Nmm),
         site_force_per_torque=of_torque["site_force_N"] / (torque_Nmm or 1.0),

@@ -91,9 +91,9 @@ def _places(found: Sweep, z: int) -> Iterator[tuple[int, float | None]]:
     """
     names = found.pairs.names
     place, force, cell = (names.index(name) for name in (f"s_{z + 1}", "force", "cell"))
-    corner = found.slice_corner
+    corner = found.slices.corner
     last = corner.shape[2] - 1
-    ends = [j for j, of in zip((0, last), found.sharp_ends, strict=True) if of == z + 1]
+    ends = [j for j, of in zip((0, last), found.slices.sharp_ends, strict=True) if of == z + 1]
     for p, site, j in np.argwhere(corner == SiteCorner.of_body(z)).tolist():
         if j in ends:
             yield p, None

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.contact.pair_table import PackedPairs
-    from flankload.contact.sweep import CoastSweep, SliceStates, Sweep
+    from flankload.contact.sweep import CoastSweep, Sweep
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import GearGeometry
@@ -98,8 +98,8 @@ def result_of(
 
 def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[np.int64]) -> Result:
     """A result with the optional parts: slices, coast flanks, friction."""
-    if found.slices is not None:
-        loads = _slice_loads(pair, found, found.slices, over_positions(result).weights)
+    if not pair.slices.plane:
+        loads = _slice_loads(pair, found, over_positions(result).weights)
         shafts = shaft_loads(pair, pair.slices, found)
         result = replace(result, slices=loads.at_sites(carries), shafts=shafts)
     if found.coast is not None:
@@ -110,9 +110,7 @@ def _with_parts(result: Result, pair: BodyPair, found: Sweep, carries: NDArray[n
     return replace(result, friction=_friction(pair, found, carries, result))
 
 
-def _slice_loads(
-    pair: BodyPair, found: Sweep, of_slices: SliceStates, weights: Floats
-) -> SliceLoads:
+def _slice_loads(pair: BodyPair, found: Sweep, weights: Floats) -> SliceLoads:
     """Loads of the slices; forces are normal to the flanks; `weights` are those of positions."""
     slices, coast = pair.slices, found.coast
     radius = pair.body_1.base_radius_mm or abs(pair.body_1.normal_lever_mm)
@@ -120,8 +118,8 @@ def _slice_loads(
     return SliceLoads(
         z_mm=slices.z_mm,
         width_mm=slices.width_mm,
-        force_N=of_slices.force_N,
-        peak_pressure_MPa=of_slices.peak_MPa,
+        force_N=found.slices.force_N,
+        peak_pressure_MPa=found.slices.peak_MPa,
         tangent_helix_base=tangent,
         cosine_helix_base=1.0 / sqrt(1.0 + tangent**2),
         line_load_length_mm=slices.line_load_mm,

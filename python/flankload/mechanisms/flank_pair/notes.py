@@ -43,7 +43,7 @@ def notes_of_sweep(pair: BodyPair, compliances: Compliances, found: Sweep) -> It
         pair.face_width_mm,
     )
     yield from corner_notes(pair, found)
-    if found.slices is not None and found.slices.conforming:
+    if found.slices.conforming:
         yield (
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"

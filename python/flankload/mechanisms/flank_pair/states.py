@@ -258,7 +258,8 @@ def _lumped_errors(
     weights: NDArray[np.float64],
 ) -> Callable[[int], dict[str, RemainingError]]:
     """Errors of lumped contacts of a torque by its index: beside cells where slices have them."""
-    if found[-1].slices is not None and not found[-1].slices.conforming:
+    slices = found[-1].slices
+    if not (slices.plane or slices.conforming):
         at = positions_for_cells(found[-1])
         with suppress(ContactError):  # then from measurements
             # an account of its own: how many cells these are, no plan knows
@@ -315,7 +316,7 @@ def incomplete_estimate_notes(
 ) -> tuple[str, ...]:
     """Notes on contacts and bodies whose error the estimate does not include."""
     causes = []
-    slices = (part.slices for part in found if part.slices is not None)
+    slices = [part.slices for part in found if not part.slices.plane]
     if any(on_corner(one.corner_off_ends).any() for one in slices):
         causes.append("the direction of forces at sharp tip corners")
     if any(body.axial.regions for body in pair.bodies):
