@@ -47,14 +47,12 @@ class Explorer:
         self.shown = shown_keys(scene, self.keys, vary)
         #: Designs at rest in their order, those with a result.
         self.trail: list[Answer] = []
-        self.reaching: frozenset[str] = frozenset()
         self._given, self._scene, self._values = scene, scene, dict[str, float]()
         self._numbers, self._lock, self._closed = count(1), Lock(), Event()
         self._pages: set[Page] = set()
         self._rested: Answer | None = None
         self._shown = 0
-        self._worker = Worker(scene, self.keys, self._tell, self._progress)
-        self._worker.derived_keys = self.shown
+        self._worker = Worker(scene, self.keys, self.shown, self._tell, self._progress)
         mechanism = mechanism_of(scene)
         mechanism.build(scene, None, self._worker.parts)  # refuses impossible bodies
         files = {"report": self._report, "scene.toml": self._toml}
@@ -62,7 +60,6 @@ class Explorer:
         self.url = self._server.url
         self._worker.start()
         self.ask({})
-        self._worker.do(self._worker.reaching).add_done_callback(self._mark)
 
     # --- for Python -------------------------------------------------------------------------------
     @property
@@ -135,6 +132,11 @@ class Explorer:
         """The page inside a notebook."""
         url = escape(self.url, quote=True)
         return f'<iframe src="{url}" width="100%" height="{INLINE_HEIGHT}" title="{url}"></iframe>'
+
+    @property
+    def reaching(self) -> frozenset[str]:
+        """Keys with sliders that reach the elements."""
+        return self._worker.reaching
 
     # --- for the page -----------------------------------------------------------------------------
     def ask(
@@ -214,12 +216,6 @@ class Explorer:
     def _progress(self, stage: str, done: int, total: int) -> None:
         for page in tuple(self._pages):
             page.progress(stage, done, total)
-
-    def _mark(self, future: Future[Any]) -> None:
-        if not future.cancelled() and future.exception() is None:
-            self.reaching = future.result()
-            for page in tuple(self._pages):
-                page.mark_soon()
 
     def _report(self) -> tuple[str, str]:
         from flankload.report import report_html

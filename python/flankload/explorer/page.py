@@ -84,7 +84,7 @@ class Page:
         self._inputs: dict[str, tuple[Slider, Spinner, Div]] = {}
         self._setting = self._open = True
         self._newest = self._painted_number = self._sent = 0
-        self._waiting: dict[bool, Answer] = {}
+        self._waiting: Answer | None = None
         self._shown: Answer | None = None
         self._pinned: Answer | None = None
         self._window: Window | None = None
@@ -121,10 +121,6 @@ class Page:
         """Show an answer, from another thread."""
         self._soon(partial(self.take, answer))
 
-    def mark_soon(self) -> None:
-        """Mark the keys that reach the elements, from another thread."""
-        self._soon(self.mark)
-
     def progress(self, stage: str, done: int, total: int) -> None:
         """Show the progress of long work, from another thread."""
         if stage.startswith(ELEMENTS) or stage in ("optimise", "plan"):
@@ -136,10 +132,13 @@ class Page:
         if number < self._newest:
             return
         self._newest = number
-        if self._painted_number < self._sent and answer.sensitivity is None:
-            self._waiting[False] = answer
-            return
-        self._show(answer)
+        if answer.result is None and not answer.error:
+            self._derived = answer
+            self.mark()
+        elif self._painted_number < self._sent:
+            self._waiting = answer
+        else:
+            self._show(answer)
 
     def mark(self) -> None:
         """Mark the keys that reach the elements: their sliders act when they are released."""
@@ -151,7 +150,7 @@ class Page:
             key, reaching = self._explorer.keys[path], path in self._explorer.reaching
             text = tables.key_name(key, effects.get(path, ("", 0.0)), reaching=reaching)
             self._change(name, text=text)
-        self._send()
+        self._send(progress="")
 
     def _change(self, model: Model, **properties: Any) -> None:
         """Change properties of a model with the next message."""
@@ -170,15 +169,12 @@ class Page:
         self._painted_number = max(self._painted_number, int(new["number"][0]))
         if self._painted_number == self._sent:
             self._changes, self._texts = {}, {}
-        if self._waiting:
-            self._show(self._waiting.pop(False))
+        if (answer := self._waiting) is not None:
+            self._waiting = None
+            self._show(answer)
 
     def _show(self, answer: Answer) -> None:
         """Show an answer: everything of it at once."""
-        if answer.sensitivity is not None:
-            self._derived = answer
-            self.mark()
-            return
         self._shown = answer
         if answer.request.source is not self:
             self._set_values(answer)

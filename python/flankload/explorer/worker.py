@@ -1,4 +1,4 @@
-"""The runs of an explorer: one thread, in which the newest request cancels the older ones.
+"""The runs of an explorer: one thread, in which the newest request ends the runs of older ones.
 
 A request is solved coarsely at once, as its scene is when no other one follows, then with the
 derivatives of its result.
@@ -10,16 +10,17 @@ import time
 from concurrent.futures import CancelledError, Future
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from threading import Condition, Thread
 from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
 from flankload.errors import FlankloadError
-from flankload.explorer.elements import NeedsElementsError, elements_of_run, without_elements
 from flankload.explorer.keys import Key, changes_of
-from flankload.mechanisms import Parts
+from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.mechanisms.registry import mechanism_of
+from flankload.mechanisms.stage_clock import BODY_STEPS, FIXED_STEPS
 from flankload.studies.coarse import few_positions
 from flankload.studies.plan.choice import choose_effects
 from flankload.studies.prepared import solve_scene
@@ -27,7 +28,7 @@ from flankload.studies.sensitivity import Sensitivity, sensitivity
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from flankload.mechanisms.stage_clock import Progress
     from flankload.result import Result
@@ -40,10 +41,28 @@ REST_S = 0.15
 PATIENCE_S = 0.25
 #: Most positions while a slider moves, per tooth pitch.
 MOVING_POSITIONS = 16
+#: Places in the range of a slider whose elements are compared.
+TRIED = (0.6, 0.9)
 
 
-class SupersededError(Exception):
-    """A newer request, or the end of the explorer, ends a run."""
+class _EndedError(Exception):
+    """A run is not needed any more, or would solve elements while a slider moves."""
+
+
+class _ReadyError(Exception):
+    """The bodies of a run are built."""
+
+
+class _NotingParts(Parts):
+    """Parts with the digest of the last call that was not among them."""
+
+    missing = b""
+
+    def find(self, call: partial[Any]) -> tuple[bytes, Any]:
+        key, found = super().find(call)
+        if found is None:
+            self.missing = key
+        return key, found
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +78,7 @@ class Request:
     scene: Scene
     moves: bool = False
     source: object = None
-    asked_s: float = 0.0
+    asked_s: float = field(default_factory=time.monotonic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +89,7 @@ class Answer:
     ----------
     request : Request
     result : Result or None
-        None if the scene has no solution, for the reason `error`, and with a sensitivity.
+        None if the scene has no solution, for the reason `error`, and beside derivatives.
     at_rest : bool
         Whether the scene was solved as it is, otherwise coarsely.
     seconds : float
@@ -82,21 +101,9 @@ class Answer:
     request: Request
     result: Result | None
     at_rest: bool
-    seconds: float
+    seconds: float = 0.0
     error: str = ""
     sensitivity: Sensitivity | None = None
-
-
-@dataclass
-class _State:
-    """The newest request and the last numbers of each kind of run; `jobs` come first."""
-
-    newest: Request | None = None
-    moved: int = 0
-    rested: int = 0
-    derived: int = 0
-    closing: bool = False
-    jobs: list[tuple[Callable[[Progress], Any], Future[Any]]] = field(default_factory=list)
 
 
 class Worker:
@@ -108,26 +115,39 @@ class Worker:
         The scene at the beginning.
     keys : mapping of str to Key
         All keys of the scene.
+    shown : tuple of Key
+        Those with sliders.
     tell : callable
         Called in the thread with each answer.
     progress : callable
         Called in the thread as progress(stage, done, total).
+
+    Attributes
+    ----------
+    reaching : frozenset of str
+        Paths of the keys with sliders that change the elements, so that they are solved on release.
     """
 
     def __init__(
         self,
         scene: Scene,
         keys: Mapping[str, Key],
+        shown: tuple[Key, ...],
         tell: Callable[[Answer], None],
         progress: Progress,
     ) -> None:
-        self.parts = Parts(estimate=scene.accuracy.estimate)
-        #: Keys whose derivatives are solved at rest.
-        self.derived_keys: tuple[Key, ...] = ()
-        self._scene, self._keys, self._tell, self._progress = scene, keys, tell, progress
-        self._state, self._changed = _State(), Condition()
+        self.parts = _NotingParts(estimate=scene.accuracy.estimate)
+        self.reaching: frozenset[str] = frozenset()
+        self._scene, self._keys, self._shown = scene, keys, shown
+        self._tell, self._progress = tell, progress
+        #: The newest request, the steps of it that are not done, and jobs, which come first.
+        self._newest: Request | None = None
+        self._steps: Sequence[Callable[[Request], None]] = ()
+        self._jobs: list[tuple[Callable[[Progress], Any], Future[Any]]] = []
+        self._changed, self._closing = Condition(), False
         self._chosen: dict[str, Any] | None = None
         self._reuses_elements = mechanism_of(scene).no_flanks_reason is None
+        self._first = [self._mark] * self._reuses_elements
         self._thread = Thread(target=self._run, name="flankload explorer", daemon=True)
 
     def start(self) -> None:
@@ -136,26 +156,24 @@ class Worker:
 
     def ask(self, request: Request) -> None:
         """Solve a request; the run of an older one ends."""
+        steps = [*[self._move] * request.moves, self._rest, *self._first, self._derive]
         with self._changed:
-            state = self._state
-            state.newest = replace(request, asked_s=time.monotonic())
-            if not request.moves:
-                state.moved = request.number
+            self._newest, self._steps = request, steps
             self._changed.notify()
 
     def forget(self) -> None:
         """End the run of the newest request."""
         with self._changed:
-            self._state.newest = None
+            self._newest, self._steps = None, ()
 
     def do(self, job: Callable[[Progress], Any]) -> Future[Any]:
         """Call a function of the progress in the thread; no request ends it, but `close` does."""
         future: Future[Any] = Future()
         with self._changed:
-            if self._state.closing:
+            if self._closing:
                 future.cancel()
                 return future
-            self._state.jobs.append((job, future))
+            self._jobs.append((job, future))
             self._changed.notify()
         return future
 
@@ -165,125 +183,131 @@ class Worker:
         The result of the future is that of `flankload.solve`, as are its errors.
         """
         with self._changed:
-            self._state.newest = request
-            self._state.moved = self._state.rested = request.number
-        return self.do(lambda progress: self._solve(request, progress))
+            self._newest, self._steps = request, [*self._first, self._derive]
+        return self.do(partial(self._solve, request))
 
     def close(self) -> None:
         """End the run and the thread."""
         with self._changed:
-            self._state.closing = True
-            for _, future in self._state.jobs:
+            self._closing = True
+            for _, future in self._jobs:
                 future.cancel()
             self._changed.notify()
         if self._thread.is_alive():
             self._thread.join()
 
     # --- in the thread ----------------------------------------------------------------------------
-    def reaching(self, progress: Progress) -> frozenset[str]:
-        """Paths of the keys with sliders that change the elements, so that dragging is slow."""
-        if not self._reuses_elements:
-            return frozenset()
-        lean, found = self._lean(self._scene), set()
-        for key in self.derived_keys:
-            progress("keys", 0, 1)
-            values = (key.number(key.low + part * (key.high - key.low)) for part in (0.6, 0.9))
-            calls = set()
-            for value in values:
-                with suppress(FlankloadError):
-                    changed = lean.replace(changes_of(self._keys, {key.path: value}))
-                    calls.add(elements_of_run(changed, self.parts))
-            found |= {key.path} if len(calls) > 1 else set()
-        return frozenset(found)
-
     def _run(self) -> None:
         while (work := self._next()) is not None:
-            with suppress(SupersededError):
-                work()
+            work()
 
     def _next(self) -> Callable[[], None] | None:
         """The next run when it is time; None at the end."""
         with self._changed:
-            while not self._state.closing:
-                state, wait = self._state, None
-                if state.jobs:
-                    job, future = state.jobs.pop(0)
-                    return lambda: self._do(job, future)
-                newest = state.newest
-                if newest is not None and state.moved < newest.number:
-                    state.moved = newest.number
-                    return lambda: self._move(newest)
-                if newest is not None and state.rested < newest.number:
-                    wait = newest.asked_s + REST_S * newest.moves - time.monotonic()
+            while not self._closing:
+                if self._jobs:
+                    return partial(self._do, *self._jobs.pop(0))
+                wait = None
+                if self._newest is not None and self._steps:
+                    step, wait = self._steps[0], 0.0
+                    if step == self._rest and self._newest.moves:
+                        wait = self._newest.asked_s + REST_S - time.monotonic()
                     if wait <= 0:
-                        return lambda: self._rest(newest)
-                elif newest is not None and state.derived < newest.number:
-                    state.derived = newest.number
-                    return lambda: self._derive(newest)
+                        return partial(self._step, step, self._newest)
                 self._changed.wait(wait)
         return None
 
     def _do(self, job: Callable[[Progress], Any], future: Future[Any]) -> None:
         """Do a job; its errors are those of the caller."""
-
-        def progress(stage: str, done: int, total: int) -> None:
-            if self._state.closing:
-                raise SupersededError
-            self._progress(stage, done, total)
-
         try:
-            future.set_result(job(progress))
-        except SupersededError:
+            future.set_result(job(self._watched(None)))
+        except _EndedError:
             future.set_exception(CancelledError())
         except Exception as error:
             future.set_exception(error)
 
-    def _solve(self, request: Request, progress: Progress) -> Result:
-        """Solve the scene of a request as it is, and tell the answer."""
-        begin = time.perf_counter()
+    def _step(self, step: Callable[[Request], None], request: Request) -> None:
+        """Do a step of a request; a job may have ended it, after which it is done again."""
+        done = 1
         try:
-            result = solve_scene(request.scene, progress, self.parts)
-        except FlankloadError as error:
-            self._tell(Answer(request, None, True, time.perf_counter() - begin, str(error)))
-            raise
-        self._tell(Answer(request, result, True, time.perf_counter() - begin))
-        return result
+            step(request)
+        except _EndedError:
+            pass
+        except FlankloadError:  # a design without solution has no derivatives
+            done = len(self._steps)
+        with self._changed:
+            if self._newest is request and not self._jobs:
+                self._steps = self._steps[done:]
 
-    def _rest(self, request: Request) -> None:
+    def _watched(self, request: Request | None, *, moves: bool = False) -> Progress:
+        """Progress that ends the run of a request when it is old; of a job when all ends.
+
+        While a slider moves, some patience is left, but no elements are solved.
+        """
+        until = time.monotonic() + PATIENCE_S * moves
+
+        def progress(stage: str, done: int, total: int) -> None:
+            old = request is not None and (self._newest is not request or self._jobs)
+            slow = moves and self._reuses_elements and BODY_STEPS <= done < FIXED_STEPS
+            if self._closing or slow or (old and time.monotonic() > until):
+                raise _EndedError
+            self._progress(stage, done, total)
+
+        return progress
+
+    def _solve(self, request: Request, progress: Progress, *, moves: bool = False) -> Result:
+        """Solve the scene of a request, coarsely if it moves, and give the answer."""
+        begin = time.perf_counter()
+        scene = self._lean(request.scene) if moves else request.scene
         try:
-            self._solve(request, self._unless_old(request))
-        except FlankloadError:
-            self._state.derived = request.number
-        self._state.rested = request.number
+            result = solve_scene(scene, progress, self.parts, unloaded=not moves)
+        except FlankloadError as error:
+            seconds = time.perf_counter() - begin
+            self._tell(Answer(request, None, not moves, seconds, str(error)))
+            raise
+        self._tell(Answer(request, result, not moves, time.perf_counter() - begin))
+        return result
 
     def _move(self, request: Request) -> None:
         """Solve coarsely, unless that takes elements, which are solved at rest."""
-        begin = time.perf_counter()
-        progress = self._unless_old(request, PATIENCE_S)
-        if self._reuses_elements:
-            progress = without_elements(progress)
-        try:
-            result = solve_scene(self._lean(request.scene), progress, self.parts)
-        except NeedsElementsError:
-            return
-        except FlankloadError as error:
-            self._tell(Answer(request, None, False, time.perf_counter() - begin, str(error)))
-            return
-        self._tell(Answer(request, result, False, time.perf_counter() - begin))
+        with suppress(FlankloadError):
+            self._solve(request, self._watched(request, moves=True), moves=True)
+
+    def _rest(self, request: Request) -> None:
+        """Solve the scene as it is."""
+        self._solve(request, self._watched(request))
+
+    def _mark(self, request: Request) -> None:
+        """Find the keys with sliders that change the elements."""
+        watched, found, lean = self._watched(request), set(), self._lean(request.scene)
+        solved = set[bytes]()
+
+        def progress(stage: str, done: int, total: int) -> None:
+            watched("keys", 0, 1)
+            if done >= BODY_STEPS:
+                solved.add(self.parts.missing if done < FIXED_STEPS else b"")
+                raise _ReadyError
+
+        for key in self._shown:
+            solved.clear()
+            for part in TRIED:
+                value = key.number(key.low + part * (key.high - key.low))
+                with suppress(FlankloadError, _ReadyError):
+                    changed = lean.replace(changes_of(self._keys, {key.path: value}))
+                    run_once(changed, progress=progress, earlier=Earlier(parts=self.parts))
+            found |= {key.path} if len(solved) > 1 else set()
+        self.reaching, self._first = frozenset(found), []
+        self._tell(Answer(request, None, True))
 
     def _derive(self, request: Request) -> None:
         """Derivatives of the coarse scene, as far as the drive has them."""
-        begin = time.perf_counter()
-        values = {key.path: key.value for key in self.derived_keys} | dict(request.values)
-        paths = [key.path for key in self.derived_keys if not key.whole]
-        try:
+        values = {key.path: key.value for key in self._shown} | dict(request.values)
+        paths = [key.path for key in self._shown if not key.whole]
+        with suppress(FlankloadError):  # drives without flanks have none
             scene = self._lean(request.scene.replace(changes_of(self._keys, values)))
-            progress = self._unless_old(request)
+            progress = self._watched(request)
             found = sensitivity(scene, paths, self.parts, first_order=True, progress=progress)
-        except FlankloadError:  # drives without flanks have none
-            return
-        seconds = time.perf_counter() - begin
-        self._tell(Answer(request, None, True, seconds, sensitivity=found))
+            self._tell(Answer(request, None, True, sensitivity=found))
 
     def _lean(self, scene: Scene) -> Scene:
         """The scene at few positions, without estimate, tangents, tolerance and choice."""
@@ -299,16 +323,3 @@ class Worker:
             accuracy=structs.replace(scene.accuracy, estimate=False, tangents=False),
             positions=few_positions(scene.positions, MOVING_POSITIONS),
         )
-
-    def _unless_old(self, request: Request, patience_s: float = 0.0) -> Progress:
-        """Progress that ends the run of a request when a newer one waits, after some time."""
-        until = time.monotonic() + patience_s
-
-        def progress(stage: str, done: int, total: int) -> None:
-            state = self._state
-            old = state.newest is None or state.newest.number != request.number
-            if state.closing or ((old or state.jobs) and time.monotonic() > until):
-                raise SupersededError
-            self._progress(stage, done, total)
-
-        return progress

@@ -78,16 +78,18 @@ def solve_scene(
     parts: Parts | None,
     *,
     plan: Plan | None = None,
+    unloaded: bool = True,
 ) -> Result:
     """Solve a scene, to its tolerance if it names one; errors are those of `flankload.solve`.
 
     Bodies and compliances of earlier runs are `parts`, and those of this run are added. `progress`
     is called as progress(stage, done, total); an exception that it raises ends the solution. `plan`
-    is one of this scene, whose predictions are shown beside what is spent. The result has an axis
+    is one of this scene, whose predictions are shown beside what is spent. Without `unloaded` the
+    state without torque is not solved, from which deflections are measured. The result has an axis
     of torques if the scene has a list.
     """
     if not scene.names_tolerance:
-        found = _solve_chosen(scene, {}, progress, parts, plan)
+        found = _solve_chosen(scene, {}, progress, parts, plan, unloaded=unloaded)
         return Result.of_torques(found) if scene.has_torque_list else found[0]
     from flankload.studies.tolerance import solve_to_tolerance
 
@@ -106,6 +108,8 @@ def _solve_chosen(
     progress: Progress | None,
     parts: Parts | None,
     plan: Plan | None,
+    *,
+    unloaded: bool = True,
 ) -> tuple[Result, ...]:
     """Solve a scene once; the effects that it leaves to the plan are chosen before.
 
@@ -122,16 +126,15 @@ def _solve_chosen(
             scene, choice = choose_effects(scene)
         notes = (said_of(choice, scene.accuracy.tolerance),) if choice else ()
     predicted = None if plan is None else plan.predicted["stages"]
+    earlier = Earlier(stages, notes, parts, unloaded=unloaded)
     try:
-        return run_once(
-            scene, kept, progress, plan=predicted, earlier=Earlier(stages, notes, parts)
-        )
+        return run_once(scene, kept, progress, plan=predicted, earlier=earlier)
     except ContactError as error:
         cells = _with_cells(scene)
         if cells is None:
             raise
         notes = (*notes, f"{error}: solved with cells instead (effects.contact = 'pairs')")
-    return run_once(cells, kept, progress, earlier=Earlier(stages, notes, parts))
+    return run_once(cells, kept, progress, earlier=replace(earlier, notes=notes))
 
 
 def _with_cells(scene: Scene) -> Scene | None:
