@@ -116,8 +116,13 @@ contains
             z = system%of(k)
             site = position%zones(z)%site
             associate (zone => position%zones(z), place => system%places(z))
-                place%force = forces(z)
-                if (.not. place%force > 0.0_wp) place%force = least_load_share*system%full(z)
+                if (forces(z) > 0.0_wp) then
+                    place%force = forces(z)
+                else
+                    ! a contact that has lost a small force is evaluated at this force: as a wider
+                    ! one, with another normal, it might touch again, and the passes never end
+                    place%force = min(place%force, least_load_share*system%full(z))
+                end if
                 narrow = min(least_force(zone%curvature, position%kernel(z), zone%flank_length), &
                     & least_load_share*system%full(z))
                 place%is_narrow = place%force < narrow

@@ -44,7 +44,7 @@ module flankload_lumped_position
 contains
 
     !> Solve one position under its loads.
-    subroutine solve_lumped(bodies, meshes, loads, position, state, error)
+    subroutine solve_lumped(bodies, meshes, loads, position, state, error, start)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -56,6 +56,9 @@ contains
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
+        !> Forces of the zones in a similar state in the plane [N], negative for those not
+        !> considered, shape (zones)
+        real(wp), intent(in), optional :: start(:)
 
         integer :: pass
         logical :: included(size(position%zones)), done, solved
@@ -63,13 +66,14 @@ contains
         real(wp), dimension(size(position%zones)) :: forces, last
         type(lumped_system) :: system
 
-        call begin(bodies, meshes, loads, position, forces, included, state, error)
-        if (allocated(error)) return
-        system%loads = loads
-        system%full = full_forces(position, loads)
-        ! flanks that are pressed against each other across a tooth carry more than the torque
-        if (any(position%zones%side < 0.0_wp)) system%full = max(system%full, maxval(forces))
-        allocate (system%places(size(included)), system%of(0))
+        if (present(start)) then
+            forces = max(start, 0.0_wp)
+            included = start >= 0.0_wp
+        else
+            call begin(bodies, meshes, loads, position, forces, included, state, error)
+            if (allocated(error)) return
+        end if
+        system = new_system(position, loads, forces)
         do pass = 1, max_passes
             if (size(system%of) /= count(included)) then
                 call couple(bodies, meshes, position, included, system)
@@ -81,6 +85,7 @@ contains
                 call reserve_pairs(state%pairs, size(system%of))
                 since_update = huge(1.0_wp)
                 change = huge(1.0_wp)
+                if (pass == 1 .and. present(start)) change = 0.0_wp
             end if
             if ((change <= nearly .and. since_update > settled) .or. (since_update < huge(1.0_wp) &
                 & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
@@ -106,12 +111,26 @@ contains
                 & system, done)
             if (done) exit
         end do
-        if (done) then
-            call finish(meshes, position, system, forces, state, error)
-        else
-            call fatal_error(error, code_unsettled_widths)
-        end if
+        if (.not. done) call fatal_error(error, code_unsettled_widths)
+        if (done) call finish(meshes, position, system, forces, state, error)
     end subroutine solve_lumped
+
+    !> Return the lumped contacts of a position, none of which is considered yet.
+    pure function new_system(position, loads, forces) result(system)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
+        !> First forces of the zones [N], shape (zones)
+        real(wp), intent(in) :: forces(:)
+        type(lumped_system) :: system
+
+        system%loads = loads
+        system%full = full_forces(position, loads)
+        ! flanks that are pressed against each other across a tooth carry more than the torque
+        if (any(position%zones%side < 0.0_wp)) system%full = max(system%full, maxval(forces))
+        allocate (system%places(size(forces)), system%of(0))
+    end function new_system
 
     !> Estimate the forces, and find the contacts needed.
     pure subroutine begin(bodies, meshes, loads, position, forces, included, state, error)

@@ -13,7 +13,7 @@ module flankload_position_load
     use flankload_lumped_position, only: solve_lumped
     use flankload_mesh, only: body_type, configuration_type, level_lumped, level_pairs, &
         & mesh_type, motion_type
-    use flankload_position_zones, only: locate_contacts, position_type
+    use flankload_position_zones, only: displace_contacts, locate_contacts, position_type
     use flankload_zone_influence, only: couple_zones
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, lay_pairs, &
         & measure_reach, new_cells, reached_curvatures
@@ -37,7 +37,7 @@ contains
 
     !> Solve one position for several cases of loads; the result for one does not depend on the
     !> other cases.
-    subroutine solve_position(bodies, meshes, motions, configuration, loads, states, known, room)
+    subroutine solve_position(bodies, meshes, motions, configuration, loads, states, known, last)
         !> The bodies, their meshes and their motions
         type(body_type), target, intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -51,24 +51,53 @@ contains
         !> Pairs in contact in a similar position, shape (cases): a state with as many pairs follows
         !> from these without a certificate
         type(known_contact), intent(in), optional :: known(:)
-        !> Workspace that the next position reuses: releasing it and having it cleared again takes a
-        !> quarter of the time
-        real(wp), allocatable, intent(inout), optional :: room(:)
+        !> The position solved last under the same loads; this one on return. If the bodies have the
+        !> same angles, its zones are those of this one, and lumped contact starts from its forces.
+        !> Its workspace is reused: releasing it and having it cleared again takes a quarter of the
+        !> time
+        type(position_type), intent(inout), optional :: last
+
+        type(position_type) :: position
+
+        if (present(last)) then
+            call solve_cases(bodies, meshes, motions, configuration, loads, states, last, known)
+        else
+            call solve_cases(bodies, meshes, motions, configuration, loads, states, position, known)
+        end if
+    end subroutine solve_position
+
+    !> Solve one position for several cases of loads.
+    subroutine solve_cases(bodies, meshes, motions, configuration, loads, states, position, known)
+        !> As in solve_position
+        type(body_type), target, intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        type(motion_type), intent(in) :: motions(:)
+        type(configuration_type), intent(in) :: configuration
+        real(wp), intent(in) :: loads(:, :)
+        type(position_state), intent(out) :: states(:)
+        !> The position solved last, then this one
+        type(position_type), intent(inout) :: position
+        type(known_contact), intent(in), optional :: known(:)
 
         integer :: t
         logical :: located
-        type(position_type) :: position, whole
+        real(wp), allocatable :: start(:)
+        type(position_type) :: whole
         type(known_contact) :: contact
         type(error_type), allocatable :: error
 
-        located = .false.
-        if (present(room)) call move_alloc(room, position%room)
+        call displace_contacts(bodies, meshes, configuration, position, located)
         do t = 1, size(states)
             if (.not. located) call locate(loads(:, t), .false., position)
             located = .not. (allocated(error) .or. position%conforms)
             contact = known_contact()
             if (present(known)) contact = known(t)
-            call solve_loads(bodies, meshes, loads(:, t), contact, position, states(t), error)
+            if (allocated(start)) deallocate (start)
+            if (allocated(position%start)) then
+                if (any(position%start(:, t) > 0.0_wp)) start = position%start(:, t)
+            end if
+            call solve_loads(bodies, meshes, loads(:, t), contact, position, states(t), error, &
+                & start)
             if (may_miss(position, states(t), allocated(error))) then
                 call locate(loads(:, t), .true., whole)
                 call solve_loads(bodies, meshes, loads(:, t), known_contact(), whole, states(t), &
@@ -77,9 +106,10 @@ contains
             if (allocated(error)) then
                 states(t)%status = error%code
                 deallocate (error)
+            else if (meshes(1)%grid%level == level_lumped .and. .not. position%conforms) then
+                call note_start(t, states, position)
             end if
         end do
-        if (present(room)) call move_alloc(position%room, room)
 
     contains
 
@@ -107,7 +137,26 @@ contains
             if (.not. allocated(error)) call couple_zones(bodies, meshes, at)
         end subroutine locate
 
-    end subroutine solve_position
+    end subroutine solve_cases
+
+    !> Note the forces of a state with lumped contacts in the plane, from which a state in the same
+    !> position starts: of zones that were not considered, -1.
+    pure subroutine note_start(t, states, position)
+        !> Number of the case of loads, and all states
+        integer, intent(in) :: t
+        type(position_state), intent(in) :: states(:)
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        integer :: n
+
+        n = states(t)%pairs%n
+        if (n == 0 .or. any(in_slice(position%zones))) return
+        if (.not. allocated(position%start)) allocate (position%start(size(position%zones), &
+            & size(states)), source=-1.0_wp)
+        position%start(:, t) = -1.0_wp
+        position%start(states(t)%pairs%zone(:n), t) = states(t)%forces(:n)
+    end subroutine note_start
 
     !> Report an error for several meshes or motions with what is defined for one mesh and the
     !> rotation of body 1 only: slices that conform, finite forces, and friction, whose state may
@@ -158,7 +207,7 @@ contains
     end function is_plane_only
 
     !> Solve a position for one case of loads.
-    subroutine solve_loads(bodies, meshes, loads, contact, position, state, error)
+    subroutine solve_loads(bodies, meshes, loads, contact, position, state, error, start)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -172,6 +221,10 @@ contains
         type(position_state), intent(out) :: state
         !> Set if there was an error before, or no state was found
         type(error_type), allocatable, intent(inout) :: error
+        !> As in solve_lumped
+        real(wp), intent(in), optional :: start(:)
+
+        logical :: solved
 
         if (allocated(error)) return
         call blank_state(sum(meshes%n_sites), size(loads), state)
@@ -180,7 +233,13 @@ contains
         else if (allocated(meshes(1)%height)) then
             call solve_heights(meshes(1), loads, position, state, error)
         else if (meshes(1)%grid%level == level_lumped) then
-            call solve_lumped(bodies, meshes, loads, position, state, error)
+            solved = .false.
+            if (present(start)) then
+                call solve_lumped(bodies, meshes, loads, position, state, error, start)
+                solved = .not. allocated(error)
+                if (.not. solved) call blank_state(sum(meshes%n_sites), size(loads), state)
+            end if
+            if (.not. solved) call solve_lumped(bodies, meshes, loads, position, state, error)
         else
             call solve_on_cells(bodies, meshes, position, loads, contact, state, error)
         end if

@@ -1,6 +1,7 @@
 !> Sweep: all positions under all loads in one call. Positions are independent of each other, and so
 !> are cases of loads: threads share the positions, and every result is bitwise the same for any
-!> number of threads and any other requested results.
+!> number of threads and any other requested results. Consecutive positions at the same angles,
+!> which differ by known displacements only, share their geometry: one thread solves them.
 !>
 !> Memory: site results of all states, pairs packed into the caller's arrays, and the data of one
 !> position per thread.
@@ -14,6 +15,7 @@ module flankload_position_sweep
     use flankload_known_contact, only: contact_of, known_contact, known_contacts
     use flankload_position_load, only: solve_position
     use flankload_position_state, only: position_state
+    use flankload_position_zones, only: position_type
     implicit none
     private
 
@@ -101,7 +103,8 @@ contains
         !> True if forces on bodies are summed; false by default
         logical, intent(in), optional :: summed
 
-        integer :: k, used, asked_to_stop
+        integer :: k, used
+        integer, allocatable :: first(:)
         real(wp), allocatable :: room(:)
 
         k = 0
@@ -109,23 +112,41 @@ contains
         call reserve(found, k, sum(meshes%n_sites), size(motions), &
             & size(configurations), size(loads, 2))
         used = 0
-        !$omp parallel do schedule(dynamic) private(asked_to_stop, room)
-        do k = 1, size(configurations)
-            ! atomic: another thread of the caller writes it, so each read must access memory
-            !$omp atomic read
-            asked_to_stop = control(1)
-            if (asked_to_stop == 0) call take_position(k, room)
+        first = first_at_angles(configurations)
+        !$omp parallel do schedule(dynamic) private(room)
+        do k = 1, size(first) - 1
+            call take_positions(k, room)
         end do
         !$omp end parallel do
 
     contains
 
-        !> Solve one position, unless the room for pairs is already exceeded.
-        subroutine take_position(at, room)
-            !> Index of the position
-            integer, intent(in) :: at
+        !> Solve positions at the same angles, one after the other.
+        subroutine take_positions(number, room)
+            !> Number of these angles
+            integer, intent(in) :: number
             !> Workspace of the thread
             real(wp), allocatable, intent(inout) :: room(:)
+
+            integer :: at, asked_to_stop
+            type(position_type) :: last
+
+            call move_alloc(room, last%room)
+            do at = first(number), first(number + 1) - 1
+                ! atomic: another thread of the caller writes it, so each read must access memory
+                !$omp atomic read
+                asked_to_stop = control(1)
+                if (asked_to_stop == 0) call take_position(at, last)
+            end do
+            call move_alloc(last%room, room)
+        end subroutine take_positions
+
+        !> Solve one position, unless the room for pairs is already exceeded.
+        subroutine take_position(at, last)
+            !> Index of the position
+            integer, intent(in) :: at
+            !> The position solved last
+            type(position_type), intent(inout) :: last
 
             integer :: before, needed, most, t
             type(position_state) :: states(size(loads, 2))
@@ -136,15 +157,10 @@ contains
             !$omp atomic read
             before = used
             if (before > most) return
-            if (present(known)) then
-                do t = 1, size(loads, 2)
-                    contacts(t) = contact_of(known, at, t)
-                end do
-            end if
+            if (present(known)) contacts = [(contact_of(known, at, t), t=1, size(loads, 2))]
             call solve_position(bodies, meshes, motions, configurations(at), loads, states, &
-                & contacts, room)
-            needed = 0
-            if (most > 0) needed = sum(states%pairs%n, mask=states%status >= 0)
+                & contacts, last)
+            needed = merge(sum(states%pairs%n, mask=states%status >= 0), 0, most > 0)
             !$omp atomic capture
             before = used
             used = used + needed
@@ -157,6 +173,23 @@ contains
         end subroutine take_position
 
     end subroutine sweep_positions
+
+    !> Return the positions in which the bodies have other angles than in the position before, and
+    !> the number of positions plus 1.
+    pure function first_at_angles(configurations) result(first)
+        !> Configurations of all positions
+        type(configuration_type), intent(in) :: configurations(:)
+        integer, allocatable :: first(:)
+
+        integer :: k
+        logical :: turned(size(configurations))
+
+        turned = .true.
+        do k = 2, size(configurations)
+            turned(k) = any(abs(configurations(k)%angles - configurations(k - 1)%angles) > 0.0_wp)
+        end do
+        first = [pack([(k, k=1, size(configurations))], turned), size(configurations) + 1]
+    end function first_at_angles
 
     !> Allocate the results, all of them empty.
     pure subroutine reserve(found, n_bodies, n_sites, n_motions, n_positions, n_cases)

@@ -20,7 +20,7 @@ module flankload_position_zones
     private
 
     public :: position_type
-    public :: locate_contacts
+    public :: displace_contacts, locate_contacts
 
     !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
@@ -69,6 +69,12 @@ module flankload_position_zones
         logical :: conforms = .false.
         !> Rotational speeds of both bodies [rad per rad of the position]; used only with friction
         real(wp) :: speeds(2) = 0.0_wp
+        !> Angles of both bodies of each mesh for which the zones were found [rad], shape
+        !> (2, meshes); not allocated if the zones are valid for one torque only
+        real(wp), allocatable :: angles(:, :)
+        !> Forces of the zones in the last state under each load [N], from which the next one
+        !> starts, shape (zones, cases); not allocated at the first state
+        real(wp), allocatable :: start(:, :)
         !> Workspace for K of the cells
         real(wp), allocatable :: room(:)
     end type position_type
@@ -140,7 +146,35 @@ contains
         position%rates = zone_rates(motions, meshes, position%zones)
         position%gap = gaps_without_load(bodies, meshes, position, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
+        if (.not. position%conforms) position%angles = configuration%angles
     end subroutine locate_contacts
+
+    !> Displace the bodies of a position in another way, or move them at other speeds, if they have
+    !> its angles: its zones stay, their gaps change.
+    subroutine displace_contacts(bodies, meshes, configuration, position, done)
+        !> The bodies, and their meshes
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        !> Configuration of the bodies
+        type(configuration_type), intent(in) :: configuration
+        !> Position, or one that has not been located
+        type(position_type), intent(inout) :: position
+        !> True if they have
+        logical, intent(out) :: done
+
+        done = allocated(position%angles)
+        if (done) done = .not. any(abs(position%angles - configuration%angles) > 0.0_wp)
+        if (.not. done) return
+        if (allocated(position%displacements)) deallocate (position%displacements)
+        if (allocated(configuration%displacements)) then
+            position%displacements = configuration%displacements
+        end if
+        if (allocated(configuration%speeds)) position%speeds = configuration%speeds
+        if (allocated(position%ends)) then
+            position%end_gap = gaps_without_load(bodies, meshes, position, position%ends)
+        end if
+        position%gap = gaps_without_load(bodies, meshes, position, position%zones)
+    end subroutine displace_contacts
 
     !> Compute the frames of the flanks of a mesh, and choose the sites to be searched.
     subroutine place_flanks(bodies, mesh, angles, everywhere, first, position, faces, unseen)

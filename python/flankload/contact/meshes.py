@@ -8,7 +8,7 @@ with sense -1 the frame is a mirror image, in which coast flanks touch as workin
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -114,6 +114,19 @@ class MeshStates:
     site_peak_N_per_mm: NDArray[np.float64]
     site_corner: NDArray[np.int64]
     pairs: tuple[PackedPairs, ...]
+
+    def at(self, rows: slice) -> MeshStates:
+        """The states at some of the positions."""
+        arrays = {
+            field.name: getattr(self, field.name)[rows]
+            for field in fields(self)
+            if field.name != "pairs"
+        }
+        pairs = []
+        for part in self.pairs:
+            chosen = replace(part, first=part.first[rows], count=part.count[rows])
+            pairs.append(join_pairs([chosen], np.arange(chosen.count.size)))
+        return MeshStates(**arrays, pairs=tuple(pairs))
 
     def without_forces(self) -> MeshStates:
         """The states of vanishing loads, which have motions only."""

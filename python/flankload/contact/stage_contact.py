@@ -212,7 +212,7 @@ class StageSweep:
 
 def stage_problem(
     contact: StageContact, position_rad: Floats, torques_Nmm: Sequence[float]
-) -> tuple[list[Floats], list[Floats], tuple[Motion, ...], Floats, Floats, Floats | None]:
+) -> tuple[list[Floats], list[Floats], tuple[Motion, ...], Floats, Floats, Floats]:
     """Arguments of `solve_meshes`: records, motions, angles, loads, displacements.
 
     In place of the torque 0 there is a vanishing one, which keeps the flanks in contact.
@@ -255,23 +255,62 @@ def sweep_stage(
             sweep_stage(part, position_rad, [t], keep_pairs=keep_pairs, account=account)[0]
             for part, t in zip(parts, torques, strict=True)
         )
-    problem = stage_problem(contact, position_rad, torques_Nmm)
-    found = solve_meshes(*problem, keep_pairs=keep_pairs)
+    found = sweep_displaced(
+        [contact], position_rad, torques_Nmm, keep_pairs=keep_pairs, account=account
+    )
+    if progress is not None:
+        progress(position_rad.size, position_rad.size)
+    return found[0]
+
+
+def sweep_displaced(
+    contacts: Sequence[StageContact],
+    position_rad: Floats,
+    torques_Nmm: Sequence[float],
+    *,
+    keep_pairs: bool = True,
+    account: Account | None = None,
+) -> tuple[tuple[StageSweep, ...], ...]:
+    """Solve stages that differ by known displacements of their bodies only, as `sweep_stage` does.
+
+    The core finds the places of contact of each position once, and starts each state from the one
+    before. Torques are positive, or the contacts lumped and all torques 0.
+    """
+    torques = np.asarray(torques_Nmm, dtype=float)
+    problem = stage_problem(contacts[0], position_rad, torques_Nmm)
+    bodies, meshes, motions, angles, loads, moved = problem
+    n = len(contacts)
+    others = [one.errors.displacements(one.pairing, position_rad) for one in contacts[1:]]
+    displacements = np.stack([moved, *others], axis=1).reshape(-1, *moved.shape[1:])
+    found = solve_meshes(
+        bodies,
+        meshes,
+        motions,
+        np.repeat(angles, n, axis=0),
+        loads,
+        displacements,
+        keep_pairs=keep_pairs,
+    )
     if account is not None:
         sums = found.counters.sum(axis=(0, 1), dtype=np.int64).tolist()
         account.count(states=found.status.size, **dict(zip(CORE_COUNTERS, sums, strict=True)))
     raise_first_failure(
         found.status,
-        position_rad,
+        np.repeat(position_rad, n),
         torques,
         found.certificate.transpose(2, 0, 1),
         has_friction=False,
     )
-    if progress is not None:
-        progress(position_rad.size, position_rad.size)
     if not torques.any():
         found = found.without_forces()
-    return tuple(_sweep_of(contact, found, t, float(torque)) for t, torque in enumerate(torques))
+    return tuple(
+        tuple(
+            _sweep_of(one, of_one, t, float(torque))
+            for of_one in [found if n == 1 else found.at(slice(k, None, n))]
+            for t, torque in enumerate(torques)
+        )
+        for k, one in enumerate(contacts)
+    )
 
 
 def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: float) -> StageSweep:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
@@ -178,6 +178,22 @@ C = TypeVar("C")
 S = TypeVar("S", bound=States)
 
 
+@dataclass(frozen=True)
+class Displaced(Generic[A, C, S]):
+    """States of scenes that differ by known displacements of their bodies only.
+
+    Attributes
+    ----------
+    alike : callable
+        alike(one, other): whether two scenes do.
+    states : callable
+        states(scenes, assembly, compliances, clock): assembly and states of each scene.
+    """
+
+    alike: Callable[[Scene, Scene], bool]
+    states: Callable[[Sequence[Scene], A, C, StageClock], Sequence[tuple[A, S]]]
+
+
 class Mechanism(Protocol[A, C, S]):
     """A kind of drive, stage by stage; later methods receive what earlier methods return.
 
@@ -190,6 +206,8 @@ class Mechanism(Protocol[A, C, S]):
     no_flanks_reason : str or None
         None if both bodies are `Body` objects with flanks and elements; otherwise the kind of body
         2 and the reason why they have none, as error lines show them after "found".
+    displaced : Displaced or None
+        None if all scenes are solved one by one.
     """
 
     @property
@@ -203,6 +221,10 @@ class Mechanism(Protocol[A, C, S]):
     @property
     def no_flanks_reason(self) -> str | None:
         """Kind of body 2 and the reason why the bodies have no flanks; None if they have."""
+
+    @property
+    def displaced(self) -> Displaced[A, C, S] | None:
+        """States of scenes that differ by known displacements only."""
 
     def build(
         self,

@@ -121,22 +121,22 @@ def run_once(
     with clock.stage("result") as account:
         results = mechanism.results(scene, assembly, compliances, states, estimates)
         account.bytes += held_bytes(results)
-    finished = tuple(
-        _finished(result, (*by_geometry, *broken), clock.stages, predicted, earlier.notes)
+    found = tuple(
+        finished(result, (*by_geometry, *broken), clock.stages, predicted, earlier.notes)
         for result, broken in zip(results, by_load, strict=True)
     )
     clock.finish()
-    return finished
+    return found
 
 
-def _finished(
+def finished(
     result: Result,
     broken: Sequence[Broken],
     stages: Mapping[str, Account],
     predicted: Mapping[str, Mapping[str, Any]],
     notes: Sequence[str],
 ) -> Result:
-    """Add the warnings and the cost of the run to a result."""
+    """A result with the warnings and the cost of its run."""
     cost = {
         **totals(stages),
         **result.cost,

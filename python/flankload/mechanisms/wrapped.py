@@ -163,6 +163,7 @@ class WrappedMechanism(ABC, Generic[A, S]):
 
     body_names = PAIR
     modes = None
+    displaced = None
 
     @abstractmethod
     def assemble(self, scene: Scene) -> A:

@@ -225,6 +225,8 @@ class LoadedPositions(PairPositions):
         t_1 points to the tip of body 1. The value is per rad of body 1 in the sense of its torque:
         multiplied by its speed in rad/s it is in mm/s; if body 2 drives, that speed is negative.
         """
+        if self.geometry is None:
+            return frozen(np.full(self.site_force_N.shape, np.nan))
         return frozen(self.flank_contacts.velocity_2 - self.flank_contacts.velocity_1)
 
     @per_torque

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, get_args
@@ -189,6 +189,15 @@ class Scene(Card):
     def folder(self) -> Path:
         """Folder to which the paths of the bodies' files are relative."""
         return self.file.parent if self.file is not None else Path()
+
+    @property
+    def tables(self) -> tuple[Any, ...]:
+        """All tables, without the name: what identifies a scene beside its files."""
+        return tuple(
+            getattr(self, field.name)
+            for field in fields(self)
+            if field.name in SceneFile.__struct_fields__ and field.name != "name"
+        )
 
     @property
     def files(self) -> dict[str, Path]:

@@ -30,10 +30,11 @@ from flankload.studies.design import Designs, run_study
 from flankload.studies.design import run as run_module
 from flankload.studies.design import run_designs as runs_module
 from flankload.studies.design.run import Outcome
-from flankload.studies.design.store import Store
+from flankload.studies.design.store import Store, key_of
 from flankload.studies.variables import variables_of
 from tests.support.design_scene import TEXT, design_scene
 from tests.support.made_up_result import made_up_result
+from tests.support.paths import EXAMPLES, SCENES
 
 TORQUE, SHIFT = "load.torque_Nm", "body_1.profile_shift"
 RANGE = {"distribution": "uniform", "lower": 100, "upper": 300}
@@ -178,6 +179,14 @@ def serial() -> bytes:
 
 def bits(study: fl.DesignStudy) -> bytes:
     return np.column_stack([study.values(name) for name in NAMES]).tobytes()
+
+
+def test_each_table_of_a_scene_is_in_the_key_of_its_run() -> None:
+    """Those of a stage and its planets were not, so that all designs had one result."""
+    scene = fl.read_scene(SCENES / "planetary_stage.toml")
+    changes = ("planet.tip_diameter_mm", 56.5), ("stage.floating", "none"), ("load.torque_Nm", 5)
+    keys = {key_of(scene), *(key_of(scene.replace({key: value})) for key, value in changes)}
+    assert len(keys) == 1 + len(changes)
 
 
 def test_threads_give_the_bits_of_single_runs() -> None:
@@ -383,7 +392,6 @@ def test_a_design_that_occurs_twice_is_solved_once(solved: list[fl.Scene]) -> No
 
 
 def test_a_changed_file_is_another_run(tmp_path: Path, solved: list[fl.Scene]) -> None:
-    from tests.support.paths import EXAMPLES, SCENES
 
     for name in ("pinion", "wheel"):
         text = (EXAMPLES / "meshes" / f"fzg_c_{name}.msh").read_bytes()

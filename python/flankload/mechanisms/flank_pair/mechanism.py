@@ -46,6 +46,7 @@ class FlankPair:
     body_names = PAIR
     no_flanks_reason: str | None = None
     modes = None
+    displaced = None
 
     def build(
         self,

@@ -174,7 +174,7 @@ def assemble(
         bodies=bodies,
         jobs=jobs,
         pairing=pairing,
-        errors=_errors(stage, pairing.angles_rad),
+        errors=errors_of(stage, pairing.angles_rad),
         supports=_supports(stage),
         slices=_slices(scene, bodies),
         discretization=discretization,
@@ -258,7 +258,7 @@ def _in_mirror_image(body: Body) -> Body:
     return body if body.axial.plane else replace(body, axial=body.axial.in_mirror_image())
 
 
-def _errors(stage: Stage, angles_rad: Floats) -> StageErrors:
+def errors_of(stage: Stage, angles_rad: Floats) -> StageErrors:
     """Errors of pins, thicknesses and run-outs, and the displacement of the sun by its weight."""
     paths = StagePaths(angles_rad, (0.0, 0.0), (1.0, 1.0, 1.0))
     radial, tangential, thickness = (

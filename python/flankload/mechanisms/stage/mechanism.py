@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
+from flankload.mechanisms.protocol import Displaced
 from flankload.mechanisms.stage import body_files as files
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.description import data_sheet, describe
@@ -14,8 +15,10 @@ from flankload.mechanisms.stage.premises import broken_by_geometry, broken_by_lo
 from flankload.mechanisms.stage.states import (
     Compliances,
     StageStates,
+    are_displaced,
     compliances_of,
     counted_work,
+    displaced_states,
     error_estimates,
     record_files,
     stage_states,
@@ -31,6 +34,7 @@ class PlanetaryStage:
 
     body_names = NAMES
     no_flanks_reason: str | None = None
+    displaced = Displaced(are_displaced, displaced_states)
 
     build = staticmethod(assemble)
     broken_by_geometry = staticmethod(broken_by_geometry)

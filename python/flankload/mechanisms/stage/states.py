@@ -6,11 +6,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from msgspec import structs
 
 from flankload.analysis.estimate import MOST_SWEEPS, estimate_errors
 from flankload.analysis.lumped_error import measured_error
 from flankload.contact.record_files import stage_records
-from flankload.contact.stage_contact import StageContact, StageSweep, sweep_stage
+from flankload.contact.stage_contact import (
+    StageContact,
+    StageSweep,
+    sweep_displaced,
+    sweep_stage,
+)
 from flankload.cost import held_bytes
 from flankload.elasticity.bolts import Bolts, on_bolts
 from flankload.elasticity.compliance import BodyCompliance
@@ -21,12 +27,12 @@ from flankload.mechanisms.elements import (
     solve_bodies,
 )
 from flankload.mechanisms.flank_pair.prediction import SLICE_VARIANTS, work_of_elements
-from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
+from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble, errors_of
 from flankload.mechanisms.stage_clock import StageClock, elements_stage
 from flankload.scene.effects import effects_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.contact.sweep import Sweep
@@ -121,6 +127,38 @@ def stage_states(
         )
         account.bytes += held_bytes(found)
     return assembly, StageStates(found, contact)
+
+
+def are_displaced(one: Scene, other: Scene) -> bool:
+    """Whether two scenes without estimates differ by the errors of their pins only."""
+    if one.stage is None or other.stage is None:
+        return False
+    if one.accuracy.estimate or one.names_tolerance:
+        return False
+    none = {"pin_tangential_errors_um": (), "pin_radial_errors_um": ()}
+    plain = [replace(scene, stage=structs.replace(scene.stage, **none)) for scene in (one, other)]  # type: ignore[type-var]
+    return plain[0] == plain[1] and all(one.torques_Nm)
+
+
+def displaced_states(
+    scenes: Sequence[Scene], assembly: StageAssembly, compliances: Compliances, clock: StageClock
+) -> tuple[tuple[StageAssembly, StageStates], ...]:
+    """Assemblies and states of scenes that differ by the errors of their pins only."""
+    angles = assembly.pairing.angles_rad
+    assemblies = [
+        replace(assembly, errors=errors_of(scene.stage, angles))
+        for scene in scenes
+        if scene.stage is not None
+    ]
+    contacts = [
+        one.contact(scene, compliances) for one, scene in zip(assemblies, scenes, strict=True)
+    ]
+    with clock.stage("sweep") as account:
+        found = sweep_displaced(
+            contacts, assembly.position_rad, scenes[0].torques_Nmm, account=account
+        )
+    states = [StageStates(one, contact) for one, contact in zip(found, contacts, strict=True)]
+    return tuple(zip(assemblies, states, strict=True))
 
 
 def record_files(scene: Scene) -> Mapping[str, Floats]:

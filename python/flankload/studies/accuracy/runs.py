@@ -54,8 +54,7 @@ class Run:
 
 def fingerprint(scene: Scene) -> str:
     """Identification of a scene: bodies, requested quantities, and contents of its files."""
-    parts = [repr((scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions))]
-    parts.append(repr((scene.effects, scene.accuracy)))
+    parts = [repr(scene.tables)]
     parts += [
         sha256(path.read_bytes()).hexdigest() for path in scene.files.values() if isfile(path)
     ]

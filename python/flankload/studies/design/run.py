@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from math import isfinite
 from threading import Event, Lock
 from time import perf_counter
@@ -14,10 +15,13 @@ from flankload.base.blas_threads import one_blas_thread
 from flankload.base.plain import plain
 from flankload.errors import FlankloadError
 from flankload.mechanisms import Parts
+from flankload.mechanisms.displaced import run_displaced
 from flankload.result.quantities import curves_of
 from flankload.studies.prepared import solve_scene
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.result import Result
     from flankload.scene import Scene
 
@@ -66,6 +70,19 @@ class Outcome:
     unknown: tuple[str, ...] = field(default=(), compare=False)
 
 
+def run_tasks(tasks: Sequence[Task], stopped: Event | None = None) -> list[Outcome]:
+    """Solve designs, several of them together if they differ by known displacements only."""
+    if len(tasks) > 1 and not (stopped is not None and stopped.is_set()):
+        began = perf_counter()
+        with suppress(FlankloadError), one_blas_thread():  # with an error, one by one
+            found = run_displaced([task.scene for task in tasks], _parts_of(tasks[0].study))
+            together = zip(found, tasks, strict=True)
+            outcomes = [_outcome_of(results, task) for results, task in together]
+            seconds = (perf_counter() - began) / len(tasks)
+            return [replace(one, seconds=seconds) for one in outcomes]
+    return [run_task(task, stopped) for task in tasks]
+
+
 def run_task(task: Task, stopped: Event | None = None) -> Outcome:
     """Solve a design; an error of any kind is an outcome. The event ends the run soon after."""
 
@@ -78,7 +95,7 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
         watch()
         with one_blas_thread():  # its number of threads changes bits, and workers share processors
             found = solve_scene(task.scene, watch, _parts_of(task.study))
-        rows = tuple(row_of(one, task.names, whole=task.whole) for one in found.by_torque)
+        outcome = _outcome_of(found.by_torque, task)
     except StoppedError:
         raise
     except FlankloadError as error:
@@ -86,11 +103,17 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
     except Exception as error:
         text = f"{type(error).__name__}: {error}"
         return Outcome(ABORTED, perf_counter() - began, text)
+    return replace(outcome, seconds=perf_counter() - began)
+
+
+def _outcome_of(results: Sequence[Result], task: Task) -> Outcome:
+    """What is kept of the results of a design, one per torque."""
+    rows = tuple(row_of(one, task.names, whole=task.whole) for one in results)
     known = {name for row in rows for name in row["quantities"]}
     for row in rows:  # a missing quantity is stored as such, so that it is not sought again
         row["quantities"] |= {n: None for n in task.names if n not in row["quantities"]}
     unknown = tuple(name for name in task.names if name not in known)
-    return Outcome(SOLVED, perf_counter() - began, results=rows, unknown=unknown)
+    return Outcome(SOLVED, results=rows, unknown=unknown)
 
 
 def release(study: bytes) -> None:

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.base.digest import digest_of
 from flankload.errors import FlankloadError, SceneError
+from flankload.mechanisms.displaced import are_displaced
 from flankload.scene.refusal import refuse
-from flankload.studies.design.run import FAILED, SOLVED, Outcome, Task, release, run_task
+from flankload.studies.design.run import FAILED, SOLVED, Outcome, Task, release, run_tasks
 from flankload.studies.design.store import Store, key_of, key_of_refused, names_in
 
 if TYPE_CHECKING:
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 
 #: Runs in flight: they bound the memory, and a cluster of as many workers is busy.
 MOST_IN_FLIGHT = 1000
+#: Designs that differ by known displacements only are solved together, at most this many: some 10
+#: MB of states.
+MOST_TOGETHER = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +73,7 @@ def run_designs(
                 runs.begin(pool, number, values)
                 while len(runs.pending) >= (most if runs.warm else 1):
                     runs.collect()
+            runs.submit(pool)
             while runs.pending:
                 runs.collect()
         except BaseException as error:
@@ -96,9 +101,10 @@ class _Runs:
     store: Store
     progress: Progress | None
     rows: dict[int, Row] = field(default_factory=dict)
-    pending: dict[Future[Outcome], str] = field(default_factory=dict)
+    pending: dict[Future[list[Outcome]], list[str]] = field(default_factory=dict)
+    together: dict[str, Task] = field(default_factory=dict)
     waiting: dict[str, list[tuple[int, dict[str, Any]]]] = field(default_factory=dict)
-    done: SimpleQueue[Future[Outcome]] = field(default_factory=SimpleQueue)
+    done: SimpleQueue[Future[list[Outcome]]] = field(default_factory=SimpleQueue)
     stopped: Event = field(default_factory=Event)
     checked: bool = False
     warm: bool = False
@@ -137,26 +143,42 @@ class _Runs:
         names = set(self.names) | (names_in(found) if found else set())
         absolute = replace(scene, file=self.absolute)
         task = Task(self.study, absolute, tuple(sorted(names)), whole=self.store.is_file)
+        if self.together:
+            last = next(reversed(self.together.values()))
+            if last.names != task.names or not are_displaced(last.scene, absolute):
+                self.submit(pool)
+        self.together[key] = task
+        most = MOST_TOGETHER if self.warm and are_displaced(absolute, absolute) else 1
+        if len(self.together) >= most:
+            self.submit(pool)
+
+    def submit(self, pool: Executor) -> None:
+        """Start the runs that are solved together."""
+        if not self.together:
+            return
+        tasks = tuple(self.together.values())
         # only threads see the event
         threads = isinstance(pool, ThreadPoolExecutor)
-        call = partial(run_task, task, self.stopped) if threads else partial(run_task, task)
+        call = partial(run_tasks, tasks, self.stopped) if threads else partial(run_tasks, tasks)
         try:
             future = pool.submit(call)
         except Exception as error:  # a worker has died, or the caller shut the pool down
             raise self._lost(error) from error
-        self.pending[future] = key
+        self.pending[future] = list(self.together)
+        self.together = {}
         future.add_done_callback(self.done.put)
 
     def collect(self) -> None:
         """Wait for a run and store it."""
         future = self.done.get()
-        key = self.pending.pop(future)
+        keys = self.pending.pop(future)
         try:
-            outcome = future.result()
+            outcomes = future.result()
         except Exception as error:
             raise self._lost(error) from error
         self.warm = True
-        self._keep(key, outcome)
+        for key, outcome in zip(keys, outcomes, strict=True):
+            self._keep(key, outcome)
 
     def _lost(self, error: Exception) -> FlankloadError:
         """The error after a worker has ended, whichever call shows it."""
@@ -171,9 +193,10 @@ class _Runs:
         """Stop the runs in flight and store those that have ended nevertheless."""
         self.stopped.set()
         wait([future for future in self.pending if not future.cancel()])
-        for future, key in self.pending.items():
+        for future, keys in self.pending.items():
             if not future.cancelled() and future.exception() is None:
-                self._keep(key, future.result())
+                for key, outcome in zip(keys, future.result(), strict=True):
+                    self._keep(key, outcome)
 
     def _keep(self, key: str, outcome: Outcome) -> None:
         """Store a run and add the rows of all its designs."""

@@ -44,15 +44,13 @@ CREATE TABLE IF NOT EXISTS runs (
 
 def key_of(scene: Scene) -> str:
     """Key of a run: digest of the complete scene without its name, its files, and the version."""
-    tables = (scene.body_1, scene.body_2, scene.pair, scene.load, scene.positions)
     named = (sorted(scene.named_effects), sorted(scene.named_discretization_keys))
     files = {
         key: _content(str(path), path.stat().st_mtime_ns, path.stat().st_size)
         for key, path in sorted(scene.files.items())
         if path.is_file()
     }
-    options = (scene.effects, scene.accuracy)
-    return digest_of((version(), tables, options, named, files)).hex()
+    return digest_of((version(), scene.tables, named, files)).hex()
 
 
 def key_of_refused(scene: Scene, changes: Mapping[str, Any]) -> str:
