@@ -65,6 +65,8 @@ class StageContact:
     grid : Grid
     level : str
         As of `FlankContact`.
+    coupled : bool
+        Whether forces in a mesh deform the bodies in other meshes.
     """
 
     bodies: tuple[Body, Body, Body]
@@ -75,6 +77,7 @@ class StageContact:
     supports: StageSupports
     grid: Grid
     level: Level = "pairs"
+    coupled: bool = True
 
     @property
     def count(self) -> int:
@@ -127,6 +130,10 @@ class StageContact:
             # coast flanks are the working flanks of the mirror image, whose teeth run clockwise
             teeth, n_working = -teeth % body.teeth, teeth.size
         block = compliance.blocks_of_sites(teeth, n_working, body.teeth)
+        if not self.coupled and not compliance.is_rigid:
+            mesh_of = np.repeat(np.arange(len(places)), [m.pairing.sites.size for m, _ in places])
+            across = mesh_of[:, None] != mesh_of
+            compliance, block = compliance.apart(across, block)
         counts = np.concatenate(slices_of_sites)
         mesh, z = places[0]
         return packed_body(

@@ -31,7 +31,18 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     name: tuple(row.off) for name, row in RECORDS.items() if row.is_quantity
 }
 #: Bodies that can be rigid.
-RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2"}
+RIGID = {"elastic_body_1": "body_1", "elastic_body_2": "body_2", "elastic_planet": "planet"}
+#: Keys of a stage with which an effect is on and off; other keys that belong to it are removed.
+OF_STAGE: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "floating_sun": (
+        {"floating": "sun"},
+        {"floating": "none", "sun_stiffness_N_per_um": None, "sun_weight_N": 0.0},
+    ),
+    "ring_support": (
+        {"ring_support": "free"},
+        {"ring_support": "clamped", "bolts": None, "bolt_stiffness_N_per_um": None},
+    ),
+}
 #: Keys of a body or of the pair that switch an effect off, with their values for that.
 REMOVED: dict[str, dict[str, Any]] = {
     "pitch_errors": {"pitch_errors_um": ()},
@@ -96,11 +107,14 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
         level = LEVELS[name][1 if on else 0] if name in LEVELS else {}
         found = with_keys(scene, **level, **taken)
     elif name in RIGID:
-        other = scene.body_2 if name == "elastic_body_1" else scene.body_1
         # the load sharing of flanks between two rigid bodies is undefined
-        if not any(scene.torques_Nm) or (on and getattr(other, "rigid", False)):
+        if not any(scene.torques_Nm) or (on and _rigid_beside(scene, RIGID[name])):
             return None
         found = with_rigid(scene, RIGID[name], rigid=on)
+    elif name in OF_STAGE and scene.stage is not None:
+        stage = structs.replace(scene.stage, **OF_STAGE[name][1 if on else 0])
+        stage.check()
+        return Toggle(replace(scene, stage=stage))
     elif name in REMOVED and on:
         return Toggle(_without_tables(scene, REMOVED[name]))
     elif name == "three_dimensions":
@@ -113,6 +127,15 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
         return None
     found.check()
     return Toggle(found, assumed)
+
+
+def _rigid_beside(scene: Scene, name: str) -> bool:
+    """Whether a body in mesh with this one is rigid."""
+    if scene.planet is None:
+        mates = [scene.body_2 if name == "body_1" else scene.body_1]
+    else:
+        mates = [scene.body_1, scene.body_2] if name == "planet" else [scene.planet]
+    return any(getattr(body, "rigid", False) for body in mates)
 
 
 def with_keys(scene: Scene, **keys: Any) -> Scene:
@@ -137,7 +160,7 @@ def _without_tables(scene: Scene, keys: dict[str, Any]) -> Scene:
     """A scene without some keys of its bodies and its pair, of the same dimension."""
     if is_spatial(scene).on:
         scene = with_keys(scene, dimension=3)
-    tables = ("body_1", "body_2", "pair")
+    tables = ("body_1", "body_2", "pair", *["planet"] * (scene.planet is not None))
     return replace(scene, **{name: _without(getattr(scene, name), keys) for name in tables})
 
 

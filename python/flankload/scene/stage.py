@@ -50,7 +50,10 @@ USUAL_TILTING = (1e-3, 1e5)
 ASSEMBLED = 1e-6
 #: Effects that a stage may have; others act on a pair of bodies.
 EFFECTS = frozenset(
-    {"contact", "tooth_coupling", "tip_contact", "beyond_limits", "dimension", "root_stress"}
+    {
+        *("contact", "tooth_coupling", "mesh_coupling", "tip_contact"),
+        *("beyond_limits", "dimension", "root_stress"),
+    }
 )
 #: Reasons why a stage has no other effects.
 WITHOUT = {

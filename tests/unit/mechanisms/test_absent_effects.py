@@ -19,6 +19,9 @@ import pytest
 import flankload as fl
 from flankload import _core
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.stage.assembly import NAMES, assemble
+from flankload.mechanisms.stage.states import compliances_of
+from flankload.mechanisms.stage_clock import StageClock
 from flankload.result.drives import BeltDrive
 from flankload.scene.effects import EFFECTS, Effect, switches_of
 from flankload.scene.effects.keys import EffectsAsked
@@ -36,6 +39,11 @@ SMALL: dict[str, Any] = {
 SPATIAL: dict[str, Any] = {
     **{"effects__dimension": 3, "accuracy__slices": 3},
     **{"accuracy__axial_degree": 4, "accuracy__load_degree_z": 0},
+}
+#: A stage with lumped contact.
+STAGE: dict[str, Any] = {
+    **{"example": "planetary_stage", "effects__contact": "lumped"},
+    **{"accuracy__estimate": False, "accuracy__modes": 3, "accuracy__flank_element_mm": 2.0},
 }
 SHAFT: dict[str, Any] = {
     "diameters_mm": [30.0],
@@ -172,6 +180,23 @@ class Case:
     more: dict[str, Any] = field(default_factory=dict)
 
 
+def planet_work(run: Run) -> float:
+    """Unknowns of the planets."""
+    return float(run.result.cost["fe_degrees_of_freedom"][1])
+
+
+def coupled_meshes(run: Run) -> float:
+    """Blocks of the sun by which a force in a mesh moves its flanks in another one."""
+    scene = run.scene
+    assembly = assemble(scene)
+    assembly, found = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
+    contact = assembly.contact(scene, found)
+    parts = parts_of(contact.body_records()[0])
+    count = contact.site_counts[0]
+    blocks = parts["block"].reshape(sum(contact.site_counts[:4]), -1)[:count, count:]
+    return float(np.abs(parts["smooth"][:, :, blocks.astype(int) - 1]).sum())
+
+
 def coupled(run: Run) -> float:
     """By how much a belt's pulley lets teeth go beside a loaded one."""
     drive = run.result.drive
@@ -278,6 +303,32 @@ CASES = {
     ),
     "several_torques": Case(
         {"load__torque_Nm": [100, 302]}, {"load__torque_Nm": 302}, further_torques
+    ),
+    "elastic_planet": Case(
+        {**STAGE, "planet__rigid": False},
+        {**STAGE, "planet__rigid": True},
+        planet_work,
+        plain=False,
+        more=STAGE,
+    ),
+    "mesh_coupling": Case(
+        {**STAGE, "effects__mesh_coupling": True},
+        {**STAGE, "effects__mesh_coupling": False},
+        coupled_meshes,
+        plain=False,
+        more=STAGE,
+    ),
+    "floating_sun": Case(
+        {**STAGE, "stage__floating": "sun"},
+        {**STAGE, "stage__floating": "none"},
+        lambda run: float(np.abs(run.result.sun_orbit_um).max()),
+        more={**STAGE, "stage__floating": "none"},
+    ),
+    "ring_support": Case(
+        {**STAGE, "stage__ring_support": "free", "stage__floating": "ring"},
+        {**STAGE, "stage__ring_support": "clamped"},
+        lambda run: float(np.abs(run.result.ring_deflection_um).max()),
+        more=STAGE,
     ),
     "elastic_body_1 of a belt": Case(
         {"example": "belt", "body_1__rigid": False, "body_1__bore_diameter_mm": 20.0},
@@ -404,7 +455,8 @@ def test_no_other_effect_works_beside_it(name: str) -> None:
 @pytest.mark.parametrize("name", ROWS)
 def test_naming_the_default_changes_nothing(name: str) -> None:
     case = CASES[name]
-    named = run_of(case.off if case.plain else {**case.off, **_other_way(case.off)})
+    own = {key: value for key, value in case.off.items() if key not in case.more}
+    named = run_of(case.off if case.plain else {**case.off, **_other_way(own)})
     plain = run_of(case.more)
     for quantity in ("rotation_rad", "site_force_N", "peak_pressure_MPa"):
         assert np.array_equal(getattr(named.result, quantity), getattr(plain.result, quantity))

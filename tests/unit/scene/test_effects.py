@@ -83,8 +83,10 @@ def scene_of(effect: Effect, *, on: bool, **keys: Any) -> Scene:
     """A scene that may have an effect, with it or without it."""
     wanted = dict(effect.on if on else effect.off)
     if effect.only_for:
-        tree = tomllib.loads((SCENES / f"{effect.only_for}.toml").read_text(encoding="utf-8"))
-        tree.setdefault("load", {})["slack_tension_N"] = 10.0
+        name = {"stage": "planetary_stage"}.get(effect.only_for, effect.only_for)
+        tree = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
+        if effect.only_for != "stage":
+            tree.setdefault("load", {})["slack_tension_N"] = 10.0
     else:
         tree = deepcopy(SCENE)
     named = {key: value for key, value in {**wanted, **keys}.items() if value is not None}

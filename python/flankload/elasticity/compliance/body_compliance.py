@@ -26,7 +26,7 @@ from flankload.elasticity.nodal_loads import every_second_node
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from flankload.base.arrays import Floats, Numbers
+    from flankload.base.arrays import Flags, Floats, Numbers
     from flankload.bodies.body import Body
     from flankload.pairing.expansion import BodyLoad
 
@@ -309,6 +309,32 @@ class BodyCompliance:
             root=None if root is None else replace(root, response=root.response[..., :p].copy()),
             fe_error=None if error is None else error[..., :p].copy(),
         )
+
+    def apart(self, apart: Flags, block: Numbers) -> tuple[BodyCompliance, Numbers]:
+        """The compliance without the response between some sites, and the blocks of all sites.
+
+        Parameters
+        ----------
+        apart : (S, S) array of bool
+            Sites that a load on another one does not displace; if some are on opposite flanks, all
+            are.
+        block : (S, S) array
+            As of `blocks_of_sites`.
+        """
+        z, coast = len(self.smooth), self.coast
+        if coast is not None and bool(np.all((block[apart] >= z) & (block[apart] < 3 * z))):
+            none = _only(coast.normal, np.arange(2 * z, 3 * z))
+            return self.with_blocks(lambda blocks: blocks, lambda _: none), block
+
+        def with_none(blocks: Floats) -> Floats:
+            return np.concatenate([blocks, np.zeros_like(blocks[:1])])
+
+        last = len(self.all_blocks()[0])
+        if coast is None:
+            found = self.with_blocks(with_none)
+        else:
+            found = self.with_blocks(lambda blocks: blocks, with_none)
+        return found, np.where(apart, last, block)
 
     def without_coupling(self) -> BodyCompliance:
         """The compliance without the response of other teeth to a load on a tooth."""

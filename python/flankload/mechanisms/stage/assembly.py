@@ -129,6 +129,7 @@ class StageAssembly:
             self.supports,
             grid=grid or self.discretization.grid,
             level=scene.effects.contact,
+            coupled=scene.effects.mesh_coupling,
         )
 
 

@@ -94,6 +94,12 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
     tooth_coupling: Annotated[
         bool, about("false: a load on a tooth does not deform other teeth of the body")
     ] = True
+    mesh_coupling: Annotated[
+        bool,
+        about(
+            "false: forces in a gear mesh of a stage do not deform the bodies in its other meshes"
+        ),
+    ] = True
     temperature_rise_K: Annotated[
         Rise | PerBody[Rise] | None,
         about(

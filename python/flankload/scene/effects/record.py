@@ -93,7 +93,8 @@ class Effect:
     refused_for : mapping of str to str
         Excluded kinds of bodies, each with the text "expected"; "{body}" is the table of the body.
     only_for : str or None
-        The only kind of body 2 with this effect; chains and belts have no other effects.
+        The only kind of body 2 with this effect; chains and belts have no other effects. "stage":
+        scenes with a table [stage].
     of_teeth : bool
         Only bodies with teeth have the effect, not a cam and its follower.
     coarser : bool

@@ -13,6 +13,8 @@ from flankload.scene.effects.record import Effect, Switch, Work
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
 
+#: Effects of scenes with a table [stage] only.
+STAGE = "stage"
 BODIES = ("compliance body 1", "compliance body 2")
 SWEEPS = ("sweep", "tangent", "estimate")
 #: Common parts of records: effects on the elastic part of a body, on gaps, by expansion.
@@ -88,6 +90,45 @@ EFFECTS = (
         **OF_SECTORS,
     ),
     Effect("tooth_coupling", "coupling between teeth", on={"tooth_coupling": True}, **OF_SECTORS),
+    Effect(
+        "elastic_planet",
+        "elastic planets",
+        keys=("planet.rigid",),
+        called_for=switches.has_elastic_planets,
+        needs_load=True,
+        stages=("compliance planet",),
+        work=Work(factorisations=1, normal_loads=1),
+        counters=("fe_factorisations", "unit_loads_normal"),
+        size_by="compliance",
+        only_for=STAGE,
+    ),
+    Effect(
+        "mesh_coupling",
+        "coupling of meshes through the bodies",
+        on={"mesh_coupling": True},
+        called_for=switches.has_coupled_meshes,
+        stages=SWEEPS,
+        size_by="compliance",
+        only_for=STAGE,
+    ),
+    Effect(
+        "floating_sun",
+        "floating sun",
+        keys=("stage.floating",),
+        called_for=switches.has_floating_sun,
+        stages=SWEEPS,
+        size_by="gaps",
+        only_for=STAGE,
+    ),
+    Effect(
+        "ring_support",
+        "ring support that bends",
+        keys=("stage.ring_support",),
+        called_for=switches.has_bending_ring,
+        stages=("compliance body 2", *SWEEPS),
+        size_by="compliance",
+        only_for=STAGE,
+    ),
     Effect(
         "nodal_near_field",
         "near field from nodal forces",
@@ -308,8 +349,8 @@ def known_effects(scene: Scene) -> tuple[Effect, ...]:
         known = ["several_torques", *["elastic_body_1"] * (not scene.body_1.rigid)]
         kind = scene.body_2.kind
         return tuple(row for row in EFFECTS if row.name in known or row.only_for == kind)
-    teeth = scene.body_2.has_teeth
-    return tuple(row for row in EFFECTS if row.only_for is None and (teeth or not row.of_teeth))
+    teeth, own = scene.body_2.has_teeth, {None, STAGE if scene.stage is not None else None}
+    return tuple(row for row in EFFECTS if row.only_for in own and (teeth or not row.of_teeth))
 
 
 def switches_of(scene: Scene) -> dict[str, Switch]:

@@ -9,7 +9,7 @@ from flankload.scene.axial import three_dimensional_key
 from flankload.scene.belt import Belt
 from flankload.scene.drive import DriveTable
 from flankload.scene.effects.keys import LARGEST_COEFFICIENT
-from flankload.scene.effects.records import EFFECTS
+from flankload.scene.effects.records import EFFECTS, STAGE
 from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.refusal import refuse, shown
 
@@ -59,7 +59,12 @@ def _bodies(asked: SceneFile) -> tuple[tuple[str, BodySpec], tuple[str, BodySpec
 def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
     """Check that a drive has only its own effects, and that other bodies have none of these."""
     kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
-    for drive in dict.fromkeys(effect.only_for for effect in EFFECTS if effect.only_for):
+    of_stage = [effect.key for effect in EFFECTS if effect.only_for == STAGE]
+    for key, value in given.items():
+        if key in of_stage and asked.stage is None:
+            refuse(f"effects.{key}", "nothing, unless there is a table [stage]", shown(value))
+    drives = {effect.only_for for effect in EFFECTS} - {None, STAGE}
+    for drive in sorted(drive for drive in drives if drive):
         own = [effect.key for effect in EFFECTS if effect.only_for == drive]
         for key, value in given.items():
             if drive == kind_2 and key not in own:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flankload.errors import SceneError
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, three_dimensional_key
@@ -26,6 +26,9 @@ RELIEF_PLACES = (
     *("tip_relief_knee_um", "tip_relief_knee_diameter_mm"),
     *(name for start, others in ReliefKeys.instead_of.items() for name in (start, *others)),
 )
+
+#: Reason why two bodies alone have no effect of a stage.
+NO_STAGE = "stage absent"
 
 
 def is_elastic(number: int) -> Callable[[Scene], Switch]:
@@ -66,13 +69,19 @@ def require_plane(scene: Scene, reason: str) -> None:
         )
 
 
+def _bodies(scene: Scene) -> tuple[tuple[str, Any], ...]:
+    """Bodies by the names of their tables."""
+    planet = () if scene.planet is None else (("planet", scene.planet),)
+    return ("body_1", scene.body_1), *planet, ("body_2", scene.body_2)
+
+
 def is_modified(scene: Scene) -> Switch:
     """Whether a flank is modified, and the first key that modifies it."""
-    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
+    for name, body in _bodies(scene):
         inside, table = body.flank_keys
         for key in MODIFICATIONS if table is not None else ():
             if value := getattr(table, key):
-                return Switch(True, f"body_{number}.{inside}{key} = {as_key(value)}", True)
+                return Switch(True, f"{name}.{inside}{key} = {as_key(value)}", True)
     return Switch(False, "no relief, crowning, tip radius or chamfer", False)
 
 
@@ -96,21 +105,54 @@ def is_misaligned(scene: Scene) -> Switch:
 
 def _first_of(scene: Scene, keys: tuple[str, ...], none: str) -> Switch:
     """Switch of the first of these keys along the axis that a body has."""
-    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
+    for name, body in _bodies(scene):
         for key in keys if isinstance(body, AxialKeys) else ():
             value = getattr(body, key)
             if any(value) if isinstance(value, tuple) else value:
                 shown = f" = {as_key(value)}" if isinstance(value, float | tuple) else ""
-                return Switch(True, f"body_{number}.{key}{shown}", True)
+                return Switch(True, f"{name}.{key}{shown}", True)
     return Switch(False, none, False)
 
 
 def is_misplaced(scene: Scene) -> Switch:
     """Whether a body has pitch errors."""
-    for number, body in enumerate((scene.body_1, scene.body_2), start=1):
+    for name, body in _bodies(scene):
         if any(body.pitch_errors_um):
-            return Switch(True, f"body_{number}.pitch_errors_um", True)
+            return Switch(True, f"{name}.pitch_errors_um", True)
     return Switch(False, "body_*.pitch_errors_um absent", False)
+
+
+def has_elastic_planets(scene: Scene) -> Switch:
+    """Whether a stage has elastic planets."""
+    if scene.planet is None:
+        return Switch(False, NO_STAGE, False)
+    rigid = scene.planet.rigid
+    return Switch(not rigid, f"planet.rigid {'= true' if rigid else 'absent'}", rigid)
+
+
+def has_coupled_meshes(scene: Scene) -> Switch:
+    """Whether forces in a mesh of a stage deform the bodies in the others."""
+    if scene.stage is None:
+        return Switch(False, NO_STAGE, False)
+    coupled, named = scene.effects.mesh_coupling, "mesh_coupling" in scene.named_effects
+    found = f"= {as_key(coupled)}" if named else "absent"
+    return Switch(coupled, f"effects.mesh_coupling {found}", named)
+
+
+def has_floating_sun(scene: Scene) -> Switch:
+    """Whether the sun of a stage floats."""
+    if scene.stage is None:
+        return Switch(False, NO_STAGE, False)
+    member = scene.stage.floating
+    return Switch(member == "sun", f'stage.floating = "{member}"', member != "none")
+
+
+def has_bending_ring(scene: Scene) -> Switch:
+    """Whether the outside of the ring of a stage moves."""
+    if scene.stage is None:
+        return Switch(False, NO_STAGE, False)
+    support = scene.stage.ring_support
+    return Switch(support != "clamped", f'stage.ring_support = "{support}"', support != "clamped")
 
 
 def has_several_torques(scene: Scene) -> Switch:
