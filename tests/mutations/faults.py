@@ -569,7 +569,7 @@ _PYTHON = (
         "unit/elasticity/test_mean_motion.py",
         ("-apart * sine, -apart * cosine", "-apart * sine, apart * cosine"),
         ("= -1.0, 1.0", "= 1.0, 1.0"),
-        ("leggauss(functions.count + TURN_POINTS)", "leggauss(1)"),
+        ("leggauss(basis.count + TURN_POINTS)", "leggauss(1)"),
     ),
     *_in(
         "elasticity/recovered_ring.py",
@@ -606,6 +606,7 @@ _PYTHON = (
         "elasticity/fronts/condensation.py",
         "unit/elasticity/prism/test_condensation.py",
         ("odd == part", "odd != 2"),
+        ("or section.twist != 0.0 or", "or"),
         ("size:] + on_cut,", "size:],"),
         ("(-whole[size:", "(whole[size:"),
     ),
@@ -671,7 +672,6 @@ _PYTHON = (
         ("-= 0.5 * near.kernel * projected_potential", "-= near.kernel * projected_potential"),
         ("surface.products(n_modes)", "surface.products(n_modes) * surface.cos_base_helix"),
         ("along=each, tip=body.tip, twist=", "along=each, twist="),
-        ("twisted=prism.twist != 0.0", "twisted=False"),
     ),
     *_in(
         "elasticity/prism/flank_surface.py",

@@ -13,7 +13,6 @@ from numpy.polynomial.legendre import leggauss, legvander
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
-from flankload.elasticity.finite_elements import section_stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.near_field import (
     consistent_loads,
@@ -124,12 +123,10 @@ def _tooth(
     body: Body, prism: Prism, in_plane: np.ndarray, along: Callable[[AxialBasis], np.ndarray]
 ) -> np.ndarray:
     """Cross compliances of loads in_plane x along on a tooth whose cuts are held."""
-    axial, mesh = AxialBasis(prism.range_mm, prism.degree), body.mesh
+    axial, mesh = prism.axial, body.mesh
     loads = product_loads(in_plane, along(axial)).reshape(len(mesh.nodes), 3 * axial.count, -1)
-    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist)
-    return condense_nodes(
-        section, axial, mesh, loads, cut_degree=0, twisted=prism.twist != 0
-    ).local[0]
+    section, _ = replace(prism, cut_degree=0).section(mesh, body.material)
+    return condense_nodes(section, mesh, loads).local[0]
 
 
 def _by_elements(body: Body, twist: float, places: np.ndarray, degree: int) -> np.ndarray:

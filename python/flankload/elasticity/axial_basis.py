@@ -133,6 +133,10 @@ class AxialBasis(AxialFunctions):
         return np.asarray(np.einsum("g,ngk->nk", 0.5 * weights, values))
 
 
+#: Functions of a plane body: constant displacements, per mm of width.
+PLANE = AxialBasis((0.0, 1.0), 0)
+
+
 @dataclass(frozen=True, eq=False)
 class AxialRegions(AxialFunctions):
     """Functions of z of a body whose regions have different widths.

@@ -13,11 +13,12 @@ is K_PP alone, of the strains xx, yy and 2xy.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.elasticity.axial_basis import PLANE
 from flankload.elasticity.shape_functions import block_basis
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
+    from flankload.elasticity.axial_basis import AxialFunctions
 
 #: Degree of the quadrature in the plane, for products of gradients; degree 6 changes the compliance
 #: of a gear by 1e-9.
@@ -40,7 +42,10 @@ ALL_STRAINS, ALL_TERMS = tuple(range(6)), ((0, 0), (0, 1), (1, 0), (1, 1))
 
 @dataclass(frozen=True, eq=False)
 class SectionStiffness:
-    """Blocks of the section matrices for pairs of nodes that share an element.
+    """Blocks of the section matrices for pairs of nodes that share an element, and functions of z.
+
+    A node has c (p + 1) unknowns for c components, by axial function, then component: 2 in the
+    plane, 3 (p + 1) in a prism.
 
     Attributes
     ----------
@@ -53,6 +58,15 @@ class SectionStiffness:
         Number of nodes.
     regions : (n,) array
         Number of the region of each block.
+    twist : float
+        kappa, rad/mm, counter-clockwise with increasing z.
+    functions : AxialFunctions
+        Those of the nodes.
+    cut_degree : int
+        Degree q <= p in z of the displacements of the cuts of a sector: the first c (q + 1)
+        unknowns of their nodes.
+    halved : bool
+        Whether the second half of a symmetric sector is taken as the image of the first.
     """
 
     rows: Numbers
@@ -60,11 +74,20 @@ class SectionStiffness:
     blocks: Floats
     nodes: int
     regions: Numbers
+    twist: float = 0.0
+    functions: AxialFunctions = PLANE
+    cut_degree: int = 0
+    halved: bool = True
 
     @property
     def components(self) -> int:
         """Components of a displacement."""
         return self.blocks.shape[-1]
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of a node."""
+        return self.components * self.functions.count
 
     @property
     def bytes(self) -> int:
@@ -110,14 +133,14 @@ def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> Se
 def section_stiffness(
     nodes: Floats, cells: Cells, material: Material, twist: float, regions: Sequence[int] = ()
 ) -> SectionStiffness:
-    """Section matrices of a prism with the axis at the origin.
+    """Section matrices of a prism with the axis at the origin, without its functions of z.
 
-    Nodes and cells as of `stiffness`; `twist`: kappa, rad/mm, counter-clockwise with increasing z;
-    `regions`: number of the region of each entry of `cells`, by default one.
+    Nodes and cells as of `stiffness`; `twist`: kappa, rad/mm; `regions`: number of the region of
+    each entry of `cells`, by default one.
     """
     moduli = _moduli(material, "strain")
     blocks = [_element_blocks(nodes, kind, own, moduli, twist, ALL_TERMS) for kind, own in cells]
-    return _summed(len(nodes), cells, blocks, regions or [0] * len(cells))
+    return replace(_summed(len(nodes), cells, blocks, regions or [0] * len(cells)), twist=twist)
 
 
 def _summed(

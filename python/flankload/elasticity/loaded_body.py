@@ -19,9 +19,9 @@ from flankload.elasticity.finite_elements import (
     lame_parameters,
     stiffness,
 )
-from flankload.elasticity.fronts.condensation import PLANE, condense_nodes
+from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
-from flankload.elasticity.mean_motion import plane_reactions
+from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import loaded_edges, mirrored_loads
 from flankload.elasticity.recovered_ring import RecoveredRing
 
@@ -183,10 +183,8 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
     assert isinstance(mesh, SectorMesh)
     pitch = 2 * np.pi / mesh.teeth
     section = stiffness(mesh.nodes, mesh.cells, body.material, plane)
-    columns = np.zeros((2 * len(mesh.nodes), 0))
-    if mesh.has_free_bore:
-        columns = plane_reactions(mesh, body.material.young_modulus_MPa)
-    ring = RecoveredRing.of(section, PLANE, mesh, columns.reshape(len(mesh.nodes), 2, -1))
+    reactions = bore_reactions(mesh, section, body.material.young_modulus_MPa)
+    ring = RecoveredRing.of(section, mesh, reactions)
 
     def solve(forces: Floats) -> Floats:
         whole = forces.reshape(-1, 2)
@@ -205,7 +203,7 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
 def _whole_solver(body: Body, mesh: WholeMesh, plane: str) -> Callable[[Floats], Floats]:
     """Solver for the displacements of all nodes of a whole mesh."""
     section, recovery = stiffness(mesh.nodes, mesh.cells, body.material, plane), Recovery()
-    condense_nodes(section, PLANE, mesh, np.zeros((len(mesh.nodes), 2, 0)), recovery=recovery)
+    condense_nodes(section, mesh, np.zeros((len(mesh.nodes), 2, 0)), recovery=recovery)
 
     def solve(forces: Floats) -> Floats:
         kept, carried = recovery.reduced(forces.reshape(-1, 2, 1))

@@ -25,7 +25,7 @@ from flankload.elasticity.condensed_sector import IN_PLANE
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import SectorMesh
-    from flankload.elasticity.axial_basis import AxialFunctions
+    from flankload.elasticity.finite_elements import SectionStiffness
 
 #: Gauss points along an edge, exact for straight ones with shape function and coordinate.
 EDGE_POINTS = 4
@@ -34,17 +34,29 @@ EDGE_POINTS = 4
 TURN_POINTS = 8
 
 
-def plane_reactions(mesh: SectorMesh, young_modulus_MPa: float) -> Floats:
-    """Nodal forces (2N, 3) of unit reactions u_x, u_y, t_z on the bore of a sector.
+def bore_reactions(mesh: SectorMesh, section: SectionStiffness, young_modulus_MPa: float) -> Floats:
+    """Forces (N, u, n) of unit reactions on the free bore of a sector, N/mm, per mm in the plane.
 
-    N/mm per mm of width.
+    By node and unknown, in the frame that rotates with the helix; u_x, u_y and t_z in the plane,
+    all six motions in a prism, none for a fixed bore. Rotations are those about the middle of the
+    bore.
     """
+    if not mesh.has_free_bore:
+        return np.zeros((section.nodes, section.unknowns, 0))
     nodes, moments = _moments(mesh)
-    radius = _radius(mesh)
-    fields = _motions(np.zeros(1), 0.0, radius)[0][:, :2, IN_PLANE]
-    found = np.zeros((len(mesh.nodes), 2, IN_PLANE.size))
-    found[nodes] = young_modulus_MPa / radius * np.einsum("kj,jcm->kcm", moments, fields)
-    return found.reshape(-1, IN_PLANE.size)
+    radius = float(np.hypot(*mesh.nodes[mesh.bore_edges[0, 0]]))
+    bases, of_node = section.functions.of_nodes(nodes)
+    basis = bases[of_node[0]]  # the bore belongs to one region
+    low, high = basis.range_mm
+    points, weights = leggauss(basis.count + TURN_POINTS)
+    z, weights = 0.5 * (low + high + (high - low) * points), 0.5 * (high - low) * weights
+    fields = _motions(z, section.twist, radius, middle_mm=0.5 * (low + high))
+    if section.components == 2:
+        fields = fields[:, :, :2, IN_PLANE]
+    along = np.einsum("ga,g,gjcm->ajcm", basis.values(z), weights, fields)
+    found = np.zeros((section.nodes, basis.count, *along.shape[2:]))
+    found[nodes] = young_modulus_MPa / radius * np.einsum("kj,ajcm->kacm", moments, along)
+    return found.reshape(section.nodes, section.unknowns, -1)
 
 
 def rim_forces(mesh: SectorMesh) -> tuple[Floats, float]:
@@ -72,32 +84,6 @@ def resultants(nodes: Floats, forces: Floats) -> Floats:
     return np.asarray(rigid.reshape(-1, 3).T @ forces)
 
 
-def prism_reactions(
-    mesh: SectorMesh, functions: AxialFunctions, twist: float, young_modulus_MPa: float
-) -> Floats:
-    """Forces (N, 3 (p + 1), 6) of unit reactions on the bore of the sector of a prism, N/mm.
-
-    By node, axial function and component, in the frame that rotates with the helix; rotations are
-    those about the middle of the bore. `twist`: kappa, rad/mm.
-    """
-    nodes, moments = _moments(mesh)
-    radius = _radius(mesh)
-    bases, of_node = functions.of_nodes(nodes)
-    basis = bases[of_node[0]]  # the bore belongs to one region
-    low, high = basis.range_mm
-    points, weights = leggauss(functions.count + TURN_POINTS)
-    z, weights = 0.5 * (low + high + (high - low) * points), 0.5 * (high - low) * weights
-    fields = _motions(z, twist, radius, middle_mm=0.5 * (low + high))
-    along = np.einsum("ga,g,gjcm->ajcm", basis.values(z), weights, fields)
-    found = np.zeros((len(mesh.nodes), *along.shape[:1], *along.shape[2:]))
-    found[nodes] = young_modulus_MPa / radius * np.einsum("kj,ajcm->kacm", moments, along)
-    return found.reshape(len(found), -1, found.shape[-1])
-
-
-def _radius(mesh: SectorMesh) -> float:
-    return float(np.hypot(*mesh.nodes[mesh.bore_edges[0, 0]]))
-
-
 def _moments(mesh: SectorMesh) -> tuple[Numbers, Floats]:
     """Nodes (k,) of the bore of a sector, and integrals (k, 3) of their functions by 1, x, y."""
     x, weights = leggauss(EDGE_POINTS)
@@ -113,7 +99,7 @@ def _moments(mesh: SectorMesh) -> tuple[Numbers, Floats]:
     return nodes, total[nodes]
 
 
-def _motions(z: Floats, twist: float, radius: float, middle_mm: float = 0.0) -> Floats:
+def _motions(z: Floats, twist: float, radius: float, middle_mm: float) -> Floats:
     """Motions (g, 3, 3, 6) of a rigid body at z (g,), in the frame that rotates with the helix.
 
     By the factors of 1, x, y in that frame, component and motion; rotations over the radius.

@@ -20,7 +20,6 @@ from flankload.elasticity.sector_closure import ring_displacements
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.bodies.body import SectorMesh
-    from flankload.elasticity.axial_basis import AxialFunctions
     from flankload.elasticity.finite_elements import SectionStiffness
 
 
@@ -45,27 +44,10 @@ class RecoveredRing:
     reactions: tuple[Floats, Floats]
 
     @classmethod
-    def of(
-        cls,
-        section: SectionStiffness,
-        functions: AxialFunctions,
-        mesh: SectorMesh,
-        reactions: Floats,
-        *,
-        cut_degree: int = 0,
-        twisted: bool = False,
-    ) -> RecoveredRing:
-        """Condense a sector; `reactions` (N, u, n), other arguments as of `condense_nodes`."""
+    def of(cls, section: SectionStiffness, mesh: SectorMesh, reactions: Floats) -> RecoveredRing:
+        """Condense a sector with reactions (N, u, n) on its bore."""
         recovery, count = Recovery(), reactions.shape[2]
-        sector = condense_nodes(
-            section,
-            functions,
-            mesh,
-            reactions,
-            cut_degree=cut_degree,
-            twisted=twisted,
-            recovery=recovery,
-        )
+        sector = condense_nodes(section, mesh, reactions, recovery=recovery)
         moved = recovery.under_loads(len(mesh.nodes), 0, count)
         (own,), (carried,) = sector.local, sector.carried
         mean = MeanMotion(own, (), carried) if count else None

@@ -25,16 +25,61 @@ from flankload.elasticity.condensed_sector import (
     on_cuts,
     turned_cuts,
 )
-from flankload.elasticity.fronts.condensation import PLANE, condense_nodes
+from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flankload.base.arrays import Complexes, Floats, Numbers
     from flankload.bodies.body import WholeMesh
     from flankload.elasticity.finite_elements import SectionStiffness
+
+
+def condense_sector(
+    section: SectionStiffness,
+    mesh: SectorMesh | WholeMesh,
+    loads: Floats,
+    readings: Sequence[Floats],
+    log: JobLog,
+    reactions: Floats | None = None,
+    *,
+    held: bool = False,
+) -> CondensedSector:
+    """Condense a mesh to its loads and cuts.
+
+    Parameters
+    ----------
+    loads : (N, u, p) array
+        Loads, which are also readings of the displacements.
+    readings : sequence of (N, u, q) arrays
+        Kinds of further readings of the displacements. Body loads are readings, too: by reciprocity
+        (Betti), they read the displacements that they cause.
+    reactions : (N, u, n) array, optional
+        Those of a bore whose mean motion is held (`MeanMotion`).
+    held : bool
+        Whether the cuts are fixed.
+    """
+    p, recovery, columns = loads.shape[2], None, loads
+    if reactions is not None and reactions.size:
+        columns = np.concatenate([loads, reactions], axis=2)
+    if log.estimates:
+        recovery = Recovery()
+    elif readings:
+        read = [np.flatnonzero(part.any(axis=(1, 2))) for part in readings]
+        recovery = Recovery(np.unique(np.concatenate(read)))
+    sector = condense_nodes(
+        section, mesh, columns, held=held, account=log.account, recovery=recovery
+    )
+    log.end_step("factorisation")
+    if recovery is not None:
+        moved = recovery.under_loads(section.nodes, 0, columns.shape[2])
+        log.solution(moved[..., :p].reshape(-1, p))
+        for part in readings:
+            sector = recovery.read(sector, part, moved)
+        log.end_step("solution")
+    return sector if columns is loads else sector.with_reactions(columns.shape[2] - p)
 
 
 def condense(
@@ -47,52 +92,23 @@ def condense(
     *,
     held: bool = False,
 ) -> tuple[CondensedSector, int]:
-    """Condense a plane mesh to its loads and cuts.
+    """Condense a plane mesh, with columns (2N, n), and count the work; returns the unknowns, too.
 
-    Parameters
-    ----------
-    stiffness : SectionStiffness
-        That of the mesh.
-    loads : (2N, p) array
-        Loads, which are also readings of the displacements.
-    readings : mapping of str to (2N, q) array, optional
-        Further readings of the displacements, by their counter (`cost.COUNTERS`). Body loads are
-        readings, too: by reciprocity (Betti), they read the displacements that they cause.
-    reactions : (2N, 3) array, optional
-        Those of a bore whose mean motion is held (`MeanMotion`).
-    held : bool
-        Whether the cuts are fixed.
-
-    Returns
-    -------
-    sector : CondensedSector
-        Its kinds of readings are the loads, then `readings` in their order.
-    degrees_of_freedom : int
-        Number of unknowns.
+    `readings`: further readings by their counter (`cost.COUNTERS`); the kinds of readings are the
+    loads, then these. Other arguments as of `condense_sector`.
     """
-    log = JobLog() if log is None else log
-    further, size, p = dict(readings or {}), len(mesh.nodes), loads.shape[1]
-    columns = loads
+    log, further = JobLog() if log is None else log, dict(readings or {})
+    log.account.count(fe_solutions=loads.shape[1])
     if reactions is not None:
-        log.account.count(bore_reactions=reactions.shape[1])
-        columns = np.hstack([loads, reactions])
-    log.account.count(fe_solutions=columns.shape[1])
-    recovery = Recovery() if log.estimates or further else None
-    by_node = columns.reshape(size, 2, -1)
-    sector = condense_nodes(
-        stiffness, PLANE, mesh, by_node, held=held, account=log.account, recovery=recovery
-    )
-    log.end_step("factorisation")
-    if recovery is not None:
-        moved = recovery.under_loads(size, 0, columns.shape[1])
-        log.solution(moved[..., :p].reshape(-1, p))
+        count = reactions.shape[-1]
+        log.account.count(bore_reactions=count, fe_solutions=count)
+    if not held:
         for name, part in further.items():
-            if not held:
-                log.account.count(fe_solutions=part.shape[1], **{name: part.shape[1]})
-            sector = recovery.read(sector, part.reshape(size, 2, -1), moved)
-    if reactions is not None:
-        sector = sector.with_reactions(reactions.shape[1])
-    log.end_step("solution")
+            log.account.count(fe_solutions=part.shape[1], **{name: part.shape[1]})
+    by_node = [
+        part.reshape(stiffness.nodes, 2, part.shape[-1]) for part in (loads, *further.values())
+    ]
+    sector = condense_sector(stiffness, mesh, by_node[0], by_node[1:], log, reactions, held=held)
     return sector, unknowns_of(mesh, held=held)
 
 

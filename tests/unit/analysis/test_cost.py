@@ -123,7 +123,7 @@ def test_factorisations_and_solutions_are_those_of_the_fronts(
 
     def watched(*arguments: Any, **options: Any) -> Any:
         done["fe_factorisations"] += 1
-        done["fe_solutions"] += arguments[3].shape[2]
+        done["fe_solutions"] += arguments[2].shape[2]
         return plain(*arguments, **options)
 
     def read(self: Recovery, sector: Any, columns: np.ndarray, moved: np.ndarray) -> Any:

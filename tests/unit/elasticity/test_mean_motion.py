@@ -17,7 +17,7 @@ from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.finite_elements import section_stiffness, stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.loaded_body import loaded_body, ring_of
-from flankload.elasticity.mean_motion import plane_reactions, prism_reactions
+from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism import Prism
 from flankload.elasticity.prism.loaded_prism import loaded_prism
@@ -71,8 +71,11 @@ def rigid(reactions: list[np.ndarray]) -> np.ndarray:
 def test_sectors_close_to_the_meshed_ring_with_a_held_mean_motion(teeth: int) -> None:
     mesh, span = ring_sector(teeth)
     mesh = with_free_bore(mesh)
-    own, reactions = mode_loads(mesh, span, 3), plane_reactions(mesh, STEEL.young_modulus_MPa)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
+    own, reactions = (
+        mode_loads(mesh, span, 3),
+        bore_reactions(mesh, matrix, STEEL.young_modulus_MPa),
+    )
     sector, _ = condense(matrix, own, mesh, {"corner_readings": own[:, :1]}, None, reactions)
     found = close_ring(sector, teeth)
     nodes, cells, numbers = ring_of(mesh)
@@ -97,6 +100,11 @@ def test_sectors_close_to_the_meshed_ring_with_a_held_mean_motion(teeth: int) ->
     np.testing.assert_allclose(evenly[:3], wanted.sum(axis=0), rtol=0, atol=CLOSURE * scale)
 
 
+def prism_of(axial: AxialBasis, twist: float) -> Prism:
+    """A prism whose cuts have the degree of its displacements."""
+    return Prism(axial.range_mm, twist, axial.degree, load_degree=0, cut_degree=axial.degree)
+
+
 def closed_prism(
     mesh: SectorMesh, span: tuple[float, float], axial: AxialBasis, degree: int, twist: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -104,15 +112,9 @@ def closed_prism(
     in_plane = mode_loads(mesh, span, 2, twist=twist)
     loads = product_loads(in_plane, axial.load_vectors(degree))
     loads = loads.reshape(len(mesh.nodes), 3 * axial.count, -1)
-    reactions = prism_reactions(mesh, axial, twist, STEEL.young_modulus_MPa)
-    sector = condense_nodes(
-        section_stiffness(mesh.nodes, mesh.cells, STEEL, twist),
-        axial,
-        mesh,
-        np.concatenate([loads, reactions], axis=2),
-        cut_degree=axial.degree,
-        twisted=twist != 0.0,
-    )
+    section, _ = prism_of(axial, twist).section(mesh, STEEL)
+    reactions = bore_reactions(mesh, section, STEEL.young_modulus_MPa)
+    sector = condense_nodes(section, mesh, np.concatenate([loads, reactions], axis=2))
     return loads, reactions, close_ring(sector.with_reactions(6), mesh.teeth)
 
 
@@ -130,7 +132,8 @@ def test_reactions_of_a_prism_do_work_on_their_own_motion_alone(twist: float) ->
     mesh = with_free_bore(ring_sector(4, rows=1, columns=3)[0])
     axial = AxialBasis(AXIAL.range_mm, 8)
     width, middle = np.ptp(axial.range_mm), np.mean(axial.range_mm)
-    reactions = rigid(placed_prism(mesh, prism_reactions(mesh, axial, twist, 1.0)))
+    section, _ = prism_of(axial, twist).section(mesh, STEEL)
+    reactions = rigid(placed_prism(mesh, bore_reactions(mesh, section, 1.0)))
     nodes, radius = ring_of(mesh)[0], np.hypot(*mesh.nodes[mesh.bore_edges[0, 0]])
     z = np.linspace(*axial.range_mm, 40)[:, None]
     places = np.stack([turned(nodes, twist * h) for (h,) in z])
@@ -173,7 +176,7 @@ def diameter_change(thickness: float) -> float:
     load = np.zeros((len(mesh.nodes), 2, 1))
     load[np.linalg.norm(mesh.nodes - middle, axis=1).argmin(), 0] = 1.0
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
-    reactions = plane_reactions(mesh, STEEL.young_modulus_MPa)
+    reactions = bore_reactions(mesh, matrix, STEEL.young_modulus_MPa)
     sector, _ = condense(matrix, load.reshape(-1, 1), mesh, reactions=reactions)
     response = close_ring(sector, 8)[:, 0, 0]
     return 2.0 * float(response[0] + response[4])
@@ -201,13 +204,13 @@ def test_fields_of_the_elements_are_those_of_the_compliance() -> None:
     body = thin_gear()
     mesh = body.mesh
     loads = mode_loads(mesh, body.mode_range_mm, 1)
-    reactions = plane_reactions(mesh, STEEL.young_modulus_MPa)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
+    reactions = bore_reactions(mesh, matrix, STEEL.young_modulus_MPa)
     wanted = close_ring(condense(matrix, loads, mesh, reactions=reactions)[0], 8)[:, 0, 0]
     loaded = loaded_body(body, "strain")
     size = len(loaded.nodes)
     on_teeth, on_bore = (
-        [in_place(part.reshape(-1, 2, part.shape[1]), loaded.numbers, t, size) for t in range(8)]
+        [in_place(part.reshape(-1, 2, part.shape[-1]), loaded.numbers, t, size) for t in range(8)]
         for part in (loads, reactions)
     )
     moved = loaded.solve(on_teeth[0].ravel())
@@ -221,7 +224,7 @@ def test_fields_of_the_elements_are_those_of_the_compliance() -> None:
 @pytest.mark.parametrize("twist", [0.0, TWIST])
 def test_fields_of_a_prism_are_those_of_its_compliance(twist: float) -> None:
     body = thin_gear()
-    prism = Prism(AXIAL.range_mm, twist, degree=2, load_degree=0, cut_degree=2)
+    prism = prism_of(AXIAL, twist)
     loads, _, wanted = closed_prism(body.mesh, body.mode_range_mm, AXIAL, 0, twist)
     forces = np.zeros((*loads.shape[:2], 8))
     forces[..., 0] = loads[..., 0]
@@ -234,8 +237,8 @@ def test_a_prism_of_one_function_along_the_axis_is_in_plane_strain() -> None:
     body, axial = thin_gear(), AxialBasis((0.0, 5.0), 0)
     mesh = body.mesh
     loads = mode_loads(mesh, body.mode_range_mm, 2)
-    reactions = plane_reactions(mesh, STEEL.young_modulus_MPa)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
+    reactions = bore_reactions(mesh, matrix, STEEL.young_modulus_MPa)
     plane = close_ring(condense(matrix, loads, mesh, reactions=reactions)[0], 8)
     _, _, solid = closed_prism(mesh, body.mode_range_mm, axial, 0, 0.0)
     np.testing.assert_allclose(solid, 5.0 * plane, rtol=0, atol=QUADRATURE * np.abs(solid).max())

@@ -9,9 +9,9 @@ import numpy as np
 
 from flankload.elasticity.compliance.contributions import RimResponse
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
-from flankload.elasticity.fronts.condensation import PLANE, condense_nodes
+from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
-from flankload.elasticity.mean_motion import plane_reactions, resultants, rim_forces
+from flankload.elasticity.mean_motion import bore_reactions, resultants, rim_forces
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
     close_ring,
@@ -111,9 +111,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
     log.count_loads(f * p, friction=job.friction)
     recovery = Recovery() if log.estimates or further[0] or forces is not None else None
     by_node = columns.reshape(size, 2, -1)
-    sector = condense_nodes(
-        job.stiffness, PLANE, mesh, by_node, account=log.account, recovery=recovery
-    )
+    sector = condense_nodes(job.stiffness, mesh, by_node, account=log.account, recovery=recovery)
     log.end_step("factorisation")
     response = np.empty((f, f, p + sum(part.shape[1] for part in further[0]), p))
     response[:, :, :p] = sector.local[0].reshape(f, p, f, p).swapaxes(1, 2)
@@ -169,7 +167,8 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
             readings["fe_load_cases_growth"] = job.forces
         reactions = None
         if mesh.has_free_bore:
-            reactions = plane_reactions(mesh, job.body.material.young_modulus_MPa)
+            modulus = job.body.material.young_modulus_MPa
+            reactions = bore_reactions(mesh, job.stiffness, modulus)
         sector, free = condense(job.stiffness, loads, mesh, readings, log, reactions)
         if job.forces is not None:
             by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]

@@ -1,9 +1,6 @@
 """Condensation of a mesh to the loads on it and to the cuts of its sector.
 
-Each node of the plane mesh has c (p + 1) unknowns for c components, by axial function, then
-component: 2 in the plane, 3 (p + 1) in a prism. Cuts have the axial degrees up to q, i.e. the first
-c (q + 1) unknowns of each node. The remainder of the elimination (`elimination`) is the input of
-the ring closure.
+The remainder of the elimination (`elimination`) is the input of the ring closure.
 
 Without twist, displacements in the section of even (odd) axial degree are coupled to axial ones of
 odd (even) degree only: two problems of half the size. This includes regions of different widths
@@ -19,7 +16,6 @@ import numpy as np
 from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.body import SectorMesh
 from flankload.cost import Account
-from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.fronts.elimination import Elimination, PairStiffness
@@ -29,23 +25,16 @@ from flankload.elasticity.fronts.problem import Problem
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import WholeMesh
-    from flankload.elasticity.axial_basis import AxialFunctions
     from flankload.elasticity.finite_elements import SectionStiffness
     from flankload.elasticity.fronts.dissection import Dissection
     from flankload.elasticity.fronts.recovery import Recovery
 
-#: Functions of z of a plane body: constant displacements, per mm of width.
-PLANE = AxialBasis((0.0, 1.0), 0)
-
 
 def condense_nodes(
     section: SectionStiffness,
-    axial: AxialFunctions,
     mesh: SectorMesh | WholeMesh,
     loads: Floats,
     *,
-    cut_degree: int = 0,
-    twisted: bool = False,
     held: bool = False,
     account: Account | None = None,
     recovery: Recovery | None = None,
@@ -54,13 +43,8 @@ def condense_nodes(
 
     Parameters
     ----------
-    loads : (N, c (p + 1), r) array
+    loads : (N, u, r) array
         Columns by node and unknown, which are also readings.
-    cut_degree : int
-        Degree q <= p of the displacements of the cuts in z. Their unknowns are by node, axial
-        function, component.
-    twisted : bool
-        False: two problems of half the size if the functions of z are even or odd.
     held : bool
         Whether the cuts are fixed, too.
     recovery : Recovery, optional
@@ -73,63 +57,50 @@ def condense_nodes(
     """
     cut = np.zeros(0, dtype=np.int64)
     inner = np.ones(section.nodes, dtype=bool)
+    inner[mesh.fixed_nodes] = False
+    images, turn, twisted = None, None, section.twist != 0.0
     if isinstance(mesh, SectorMesh):
         cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
         inner[cut] = False
         cut = cut[:0] if held else cut
-    inner[mesh.fixed_nodes] = False
-    images, turn = None, None
-    if isinstance(mesh, SectorMesh) and (axial.symmetric or not twisted):
-        images = images_of(mesh, inner)
+        if section.halved and (section.functions.symmetric or not twisted):
+            images = images_of(mesh, inner)
     if isinstance(mesh, SectorMesh) and images is not None:
-        turn = reflection(mesh, axial.count, section.components, twisted=twisted)
+        turn = reflection(mesh, section.functions.count, section.components, twisted=twisted)
     order = dissect(
         mesh.nodes,
         [cells for _, cells in mesh.cells],
         inner=inner,
         kept=cut,
-        unknowns=section.components * axial.count,
+        unknowns=section.unknowns,
         images=images,
     )
-    return condense_in_order(
-        section,
-        axial,
-        order,
-        loads,
-        cut_degree=cut_degree,
-        twisted=twisted,
-        account=account,
-        recovery=recovery,
-        turn=turn,
-    )
+    return condense_in_order(section, order, loads, turn=turn, account=account, recovery=recovery)
 
 
 def condense_in_order(
     section: SectionStiffness,
-    axial: AxialFunctions,
     order: Dissection,
     loads: Floats,
     *,
-    cut_degree: int = 0,
-    twisted: bool = False,
+    turn: Floats | None = None,
     account: Account | None = None,
     recovery: Recovery | None = None,
-    turn: Floats | None = None,
 ) -> CondensedSector:
     """Condense nodes in a given order; other arguments as of `condense_nodes`.
 
     `turn`: reflection of the unknowns of a node, for a symmetric mesh.
     """
     account = Account() if account is None else account
-    cut = order.order[order.inner :]
-    per_cut = section.components * (cut_degree + 1)
+    cut, functions = order.order[order.inner :], section.functions
+    per_cut = section.components * (section.cut_degree + 1)
     count, size = loads.shape[2], cut.size * per_cut
     whole = np.zeros((size + count, size + count))
-    products = axial.products(section)
-    coupled = section.components == 2 or twisted or not axial.symmetric
-    sets = _independent(axial.count, section.components, coupled=coupled)
+    products = functions.products(section)
+    coupled = section.components == 2 or section.twist != 0.0 or not functions.symmetric
+    sets = _independent(functions.count, section.components, coupled=coupled)
     if recovery is not None:
-        recovery.begin(order, cut, axial.count * section.components, per_cut)
+        recovery.begin(order, cut, section.unknowns, per_cut)
     # most fronts are too small for several threads
     with one_blas_thread():
         for number, unknowns in enumerate(sets):

@@ -34,7 +34,7 @@ from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.body import SectorMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import Account
-from flankload.elasticity.axial_basis import AxialBasis, functions_of, mode_norms_z
+from flankload.elasticity.axial_basis import mode_norms_z
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.contributions import (
     AxialModes,
@@ -45,11 +45,8 @@ from flankload.elasticity.compliance.contributions import (
     opposite,
 )
 from flankload.elasticity.compliance.job import JobOptions, flank_compliance
-from flankload.elasticity.finite_elements import section_stiffness
-from flankload.elasticity.fronts.condensation import condense_nodes
-from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.mean_motion import prism_reactions
+from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,
@@ -61,7 +58,7 @@ from flankload.elasticity.prism.flank_surface import flank_surface
 from flankload.elasticity.prism.flexible_bore import FlexibleBore
 from flankload.elasticity.prism.prism import COMPONENTS
 from flankload.elasticity.prism.root_surface import root_surface_stress
-from flankload.elasticity.sector_closure import close_ring, made_symmetric
+from flankload.elasticity.sector_closure import close_ring, condense_sector, made_symmetric
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -277,7 +274,7 @@ def _flank_loads(
         assert body.involute is not None
         images, tooth = mirrored_loads(mesh, in_plane, body.involute.turn_rad)
         in_plane = np.hstack([in_plane, images])
-    along = AxialBasis(prism.range_mm, prism.degree).load_vectors(prism.load_degree)
+    along = prism.axial.load_vectors(prism.load_degree)
     return _prism_loads(in_plane, along), tooth
 
 
@@ -285,45 +282,27 @@ def _ring_responses(
     body: Body, prism: Prism, loads: Floats, log: JobLog, fillets: RootFillets | None
 ) -> tuple[Floats, Floats]:
     """Readings B'C_t B (z, q, q) of the loads on the closed ring, and of the roots (z, r, q)."""
-    mesh = _sector_of(body)
-    axial = AxialBasis(prism.range_mm, prism.degree)
-    numbers, functions = functions_of(mesh, axial, dict(prism.regions))
-    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, numbers)
-    count, bore = loads.shape[2], None
-    reactions = np.zeros((*loads.shape[:2], 0))
-    if mesh.has_free_bore:
-        modulus = body.material.young_modulus_MPa
-        reactions = prism_reactions(mesh, functions, prism.twist, modulus)
-    elif prism.shaft is not None:
-        bore = FlexibleBore.of(prism.shaft, section, functions, mesh, prism.twist, numbers)
-    columns = reactions if bore is None else bore.columns
-    loads = np.concatenate([loads, columns], axis=2)
-    recovery = None if fillets is None else Recovery(fillets.on_elements.nodes)
-    log.end_step("assembly")
-    # most fronts are too small for several threads
-    with one_blas_thread():
-        sector = condense_nodes(
-            section,
-            functions,
-            mesh,
-            loads,
-            cut_degree=min(prism.cut_degree, prism.degree),
-            twisted=prism.twist != 0.0,
-            account=log.account,
-            recovery=recovery,
+    mesh, count, bore = _sector_of(body), loads.shape[2], None
+    section, regions = prism.section(mesh, body.material)
+    reactions = bore_reactions(mesh, section, body.material.young_modulus_MPa)
+    if prism.shaft is not None and not mesh.has_free_bore:
+        bore = FlexibleBore.of(prism.shaft, section, mesh, regions)
+        loads = np.concatenate([loads, bore.columns], axis=2)
+        # the bore is the difference of large stiffnesses, in which rounding of an image would count
+        section = replace(section, halved=False)
+    readings = []
+    if fillets is not None:
+        nodes = fillets.on_elements
+        stress = root_surface_stress(
+            nodes, section.functions, prism.axial, body.material, prism.twist
         )
-        log.end_step("factorisation")
-        if fillets is not None and recovery is not None:
-            nodes = fillets.on_elements
-            stress = root_surface_stress(nodes, functions, axial, body.material, prism.twist)
-            columns = np.zeros((*loads.shape[:2], len(stress)))
-            columns[nodes.nodes] = stress.T.reshape(nodes.nodes.size, -1, len(stress))
-            moved = recovery.under_loads(len(mesh.nodes), 0, loads.shape[2])
-            sector = recovery.read(sector, columns, moved)
-            log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
-            log.end_step("solution")
-        if reactions.size:
-            sector = sector.with_reactions(reactions.shape[2])
+        readings.append(np.zeros((*loads.shape[:2], len(stress))))
+        readings[0][nodes.nodes] = stress.T.reshape(nodes.nodes.size, -1, len(stress))
+        log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
+    log.end_step("assembly")
+    sector = condense_sector(section, mesh, loads, readings, log, reactions)
+    # most matrices are too small for several threads
+    with one_blas_thread():
         response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
     log.end_step("ring")
     return response[:, :count], response[:, count:]

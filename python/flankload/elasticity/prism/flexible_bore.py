@@ -80,19 +80,18 @@ class FlexibleBore:
         cls,
         shaft: FlexibleShaft,
         section: SectionStiffness,
-        functions: AxialFunctions,
         mesh: SectorMesh,
-        twist: float,
         regions: Sequence[int] = (),
     ) -> FlexibleBore:
-        """The bore of a sector; `twist` is kappa, rad/mm, `regions` as in `section_stiffness`."""
+        """The bore of a sector; `regions` as in `section_stiffness`."""
+        functions = section.functions
         bases, of_node = functions.of_nodes(np.arange(len(mesh.nodes)))
         basis = bases[of_node[mesh.fixed_nodes[0]]]  # the bore belongs to one region
         degree = min(SECTION_DEGREE, basis.degree)
         motions = _motions(mesh.nodes, shaft.radius_mm)
         of_bore = np.zeros_like(motions)
         of_bore[mesh.fixed_nodes] = motions[mesh.fixed_nodes]
-        columns, stiffness = _bore_columns(section, functions, mesh, of_bore, degree)
+        columns, stiffness = _bore_columns(section, mesh, of_bore, degree)
         at_ends = basis.values(np.array(basis.range_mm))[:, : degree + 1]
         all_ends, parts = [], []
         for end, place in enumerate(basis.range_mm):
@@ -104,7 +103,7 @@ class FlexibleBore:
         columns = np.concatenate(
             [columns, *(face.reshape(len(face), -1, MOTIONS) for face in all_ends)], axis=2
         )
-        beam = beam_stiffness(shaft, basis, degree, twist)
+        beam = beam_stiffness(shaft, basis, degree, section.twist)
         return cls(shaft, mesh.teeth, columns, stiffness, beam, np.concatenate(parts))
 
     def close_ring(self, sector: CondensedSector) -> Floats:
@@ -204,12 +203,12 @@ def _motions(places: Floats, radius_mm: float) -> Floats:
 
 def _bore_columns(
     section: SectionStiffness,
-    functions: AxialFunctions,
     mesh: SectorMesh,
     motions: Floats,
     degree: int,
 ) -> tuple[Floats, Floats]:
     """K T by node, unknown and mode (B1), and T'K T; motions (N, 3, 6) of the bore's nodes."""
+    functions = section.functions
     nodes, count, size = len(mesh.nodes), functions.count, MOTIONS * (degree + 1)
     number, terms = functions.products(section)
     held = np.flatnonzero(np.isin(section.columns, mesh.fixed_nodes))

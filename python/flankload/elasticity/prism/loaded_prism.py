@@ -13,11 +13,11 @@ import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
-from flankload.elasticity.axial_basis import AxialBasis, functions_of
+from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.fe_error import recovered_strains
-from flankload.elasticity.finite_elements import lame_parameters, section_stiffness
+from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.loaded_body import coast_edges, node_widths, on_edges, ring_of
-from flankload.elasticity.mean_motion import prism_reactions
+from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import loaded_edges
 from flankload.elasticity.prism.prism import COMPONENTS
 from flankload.elasticity.recovered_ring import RecoveredRing
@@ -208,24 +208,12 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
     body = body.for_elements()
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
-    axial = AxialBasis(prism.range_mm, prism.degree)
-    regions, functions = functions_of(mesh, axial, dict(prism.regions))
-    section = section_stiffness(mesh.nodes, mesh.cells, body.material, prism.twist, regions)
-    columns = np.zeros((len(mesh.nodes), COMPONENTS * axial.count, 0))
-    if mesh.has_free_bore:
-        modulus = body.material.young_modulus_MPa
-        columns = prism_reactions(mesh, functions, prism.twist, modulus)
-    ring = RecoveredRing.of(
-        section,
-        functions,
-        mesh,
-        columns,
-        cut_degree=min(prism.cut_degree, prism.degree),
-        twisted=prism.twist != 0.0,
-    )
+    section, regions = prism.section(mesh, body.material)
+    reactions = bore_reactions(mesh, section, body.material.young_modulus_MPa)
+    ring = RecoveredRing.of(section, mesh, reactions)
     nodes, whole, numbers = ring_of(mesh)
     basis_of = np.empty(len(nodes), dtype=np.int64)
-    bases, basis_of[numbers] = functions.of_nodes(np.arange(len(mesh.nodes)))
+    bases, basis_of[numbers] = section.functions.of_nodes(np.arange(len(mesh.nodes)))
     parts = _parts(whole, regions, bases)
     return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, ring)
 

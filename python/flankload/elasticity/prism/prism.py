@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from flankload.elasticity.axial_basis import AxialBasis, functions_of
+from flankload.elasticity.finite_elements import section_stiffness
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
+    from flankload.bodies.body import Material, SectorMesh
     from flankload.bodies.shaft import FlexibleShaft
+    from flankload.elasticity.finite_elements import SectionStiffness
 
 #: Components of a displacement.
 COMPONENTS = 3
@@ -47,6 +51,20 @@ class Prism:
     cut_degree: int = 4
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
     shaft: FlexibleShaft | None = None
+
+    @property
+    def axial(self) -> AxialBasis:
+        """Functions of z over the width."""
+        return AxialBasis(self.range_mm, self.degree)
+
+    def section(
+        self, mesh: SectorMesh, material: Material
+    ) -> tuple[SectionStiffness, tuple[int, ...]]:
+        """Stiffness of a sector, and the region of each entry of its cells."""
+        regions, functions = functions_of(mesh, self.axial, dict(self.regions))
+        section = section_stiffness(mesh.nodes, mesh.cells, material, self.twist, regions)
+        cut_degree = min(self.cut_degree, self.degree)
+        return replace(section, functions=functions, cut_degree=cut_degree), regions
 
     def check(self) -> None:
         """Raise a SceneError for an invalid width or load degree."""

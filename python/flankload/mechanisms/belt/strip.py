@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.elasticity.finite_elements import SectionStiffness, stiffness
-from flankload.elasticity.fronts.condensation import PLANE, condense_in_order
+from flankload.elasticity.fronts.condensation import condense_in_order
 from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.sector_row import RowCell
 from flankload.mechanisms.belt.columns import Flanks, Lands, flank_columns, land_columns
@@ -108,7 +108,6 @@ def solve_piece(
     order = dissect(mesh.nodes, cells, inner=inner, kept=cut, unknowns=2)
     found = condense_in_order(
         _free_stiffness(matrix, prescribed, cells),
-        PLANE,
         order,
         columns.reshape(len(mesh.nodes), 2, -1),
         account=account,

@@ -19,7 +19,7 @@ from flankload.elasticity.axial_basis import (
     functions_of,
 )
 from flankload.elasticity.compliance import BodyCompliance
-from flankload.elasticity.finite_elements import section_stiffness
+from flankload.elasticity.finite_elements import SectionStiffness, section_stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism import Prism, prism_compliance
@@ -127,10 +127,15 @@ def _whole(
     return total.tocsc()
 
 
+def _section(mesh, numbers, functions, twist: float, *, cut_degree: int) -> SectionStiffness:
+    section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist, numbers)
+    return replace(section, functions=functions, cut_degree=cut_degree)
+
+
 @pytest.mark.parametrize("twist", [0.0, 0.04])
 def test_it_is_the_schur_complement_of_the_whole_matrix(twist: float) -> None:
     mesh, span, numbers, axial = _regions(3)
-    section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist, numbers)
+    section = _section(mesh, numbers, axial, twist, cut_degree=2)
     matrix = _whole(mesh, numbers, axial, twist)
     teeth = AxialBasis(WIDE, 3)
     loads = product_loads(mode_loads(mesh, span, 3, twist=twist), teeth.load_vectors(2))
@@ -141,14 +146,7 @@ def test_it_is_the_schur_complement_of_the_whole_matrix(twist: float) -> None:
     coupling = matrix[inner][:, kept].toarray()
     moved = np.linalg.solve(matrix[inner][:, inner].toarray(), np.hstack([loads[inner], coupling]))
     by_loads, by_cuts = np.split(moved, [loads.shape[1]], axis=1)
-    found = condense_nodes(
-        section,
-        axial,
-        mesh,
-        loads.reshape(len(mesh.nodes), 3 * axial.count, -1),
-        cut_degree=2,
-        twisted=bool(twist),
-    )
+    found = condense_nodes(section, mesh, loads.reshape(len(mesh.nodes), 3 * axial.count, -1))
     for one, two in (
         (found.local[0], loads[inner].T @ by_loads),
         (found.carried[0], loads[kept] - coupling.T @ by_loads),
@@ -165,10 +163,10 @@ def test_widths_about_one_middle_leave_two_problems_of_half_the_size() -> None:
     for web, symmetric in (((0.0, 1.0), True), ((0.0, 1.5), False)):
         numbers, functions = functions_of(mesh, axial, {"web": web, "hub": (-4.0, 5.0)})
         assert functions.symmetric is symmetric
-        section = section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.0, numbers)
+        section = _section(mesh, numbers, functions, 0.0, cut_degree=2)
+        # a twist after its blocks are made joins both problems
         one, two = (
-            condense_nodes(section, functions, mesh, loads, cut_degree=2, twisted=twisted)
-            for twisted in (False, True)
+            condense_nodes(replace(section, twist=twist), mesh, loads) for twist in (0.0, 1.0)
         )
         largest = np.abs(two.local[0]).max()
         np.testing.assert_allclose(one.local[0], two.local[0], rtol=0, atol=CLOSURE * largest)
@@ -179,14 +177,8 @@ def test_the_response_is_positive_definite() -> None:
     loads = product_loads(
         mode_loads(mesh, span, 3, twist=0.03), AxialBasis(WIDE, 6).load_vectors(2)
     )
-    sector = condense_nodes(
-        section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.03, numbers),
-        axial,
-        mesh,
-        loads.reshape(len(mesh.nodes), 3 * axial.count, -1),
-        cut_degree=4,
-        twisted=True,
-    )
+    section = _section(mesh, numbers, axial, 0.03, cut_degree=4)
+    sector = condense_nodes(section, mesh, loads.reshape(len(mesh.nodes), 3 * axial.count, -1))
     ring = close_ring(sector, TEETH)
     apart = np.arange(TEETH)
     whole = ring[(apart[:, None] - apart) % TEETH].transpose(0, 2, 1, 3)

@@ -43,14 +43,11 @@ def _condensed(
     loads = product_loads(
         mode_loads(mesh, span, 3, twist=twist), axial.load_vectors(min(2, degree))
     )
-    return condense_nodes(
-        section_stiffness(mesh.nodes, mesh.cells, STEEL, twist),
-        axial,
-        mesh,
-        loads.reshape(len(mesh.nodes), 3 * axial.count, -1),
-        cut_degree=cut_degree,
-        twisted=bool(twist) if twisted is None else twisted,
-    )
+    section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist)
+    section = replace(section, functions=axial, cut_degree=cut_degree)
+    # a twist after its blocks are made joins both halves
+    section = section if twisted is None else replace(section, twist=float(twisted))
+    return condense_nodes(section, mesh, loads.reshape(len(mesh.nodes), 3 * axial.count, -1))
 
 
 def _same(found: CondensedSector, expected: CondensedSector, part: float) -> None:
@@ -86,14 +83,8 @@ def test_it_is_the_schur_complement_of_the_whole_matrix(
         stiffness=matrix[kept][:, kept].toarray() - coupling.T @ by_cuts,
         components=3,
     )
-    found = condense_nodes(
-        section,
-        AXIAL,
-        mesh,
-        loads.reshape(len(mesh.nodes), 3 * AXIAL.count, -1),
-        cut_degree=cut_degree,
-        twisted=bool(twist),
-    )
+    section = replace(section, functions=AXIAL, cut_degree=cut_degree)
+    found = condense_nodes(section, mesh, loads.reshape(len(mesh.nodes), 3 * AXIAL.count, -1))
     _same(found, expected, CLOSURE)
 
 

@@ -57,16 +57,16 @@ def _loads(twist: float) -> np.ndarray:
 
 
 def _section(twist: float) -> SectionStiffness:
-    return section_stiffness(MESH.nodes, MESH.cells, STEEL, twist)
+    section = section_stiffness(MESH.nodes, MESH.cells, STEEL, twist)
+    return replace(section, functions=AXIAL, cut_degree=3)
 
 
 def _bore(twist: float, carrying: FlexibleShaft) -> tuple[FlexibleBore, np.ndarray]:
-    return FlexibleBore.of(carrying, _section(twist), AXIAL, MESH, twist), _loads(twist)
+    return FlexibleBore.of(carrying, _section(twist), MESH), _loads(twist)
 
 
 def _sector(twist: float, loads: np.ndarray) -> CondensedSector:
-    section = _section(twist)
-    return condense_nodes(section, AXIAL, MESH, loads, cut_degree=3, twisted=twist != 0.0)
+    return condense_nodes(_section(twist), MESH, loads)
 
 
 @cache
@@ -191,7 +191,7 @@ def test_a_rigid_motion_of_the_face_is_that_of_the_shaft() -> None:
     axial = AxialBasis((0.0, 8.0), 2)
     carrying = shaft((0.0, 8.0), 10.0, end_radii_mm=(19.0, 24.0))
     section = section_stiffness(mesh.nodes, mesh.cells, STEEL, 0.0)
-    bore = FlexibleBore.of(carrying, section, axial, mesh, 0.0)
+    bore = FlexibleBore.of(carrying, replace(section, functions=axial), mesh)
     size = len(bore.stiffness)
     motions = np.zeros((len(mesh.nodes), 3, 6))
     motions[:, [0, 1, 2], [0, 1, 2]] = 1.0

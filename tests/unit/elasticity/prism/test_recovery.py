@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -32,18 +34,13 @@ class Sector:
         body = BODIES[twist]
         mesh, span = body.mesh, body.mode_range_mm
         section = section_stiffness(mesh.nodes, mesh.cells, STEEL, twist)
+        section = replace(section, functions=AXIAL, cut_degree=CUT_DEGREE)
         self.mesh, self.matrix = mesh, whole_stiffness(section, AXIAL)
         loads = mode_loads(mesh, span, 3, twist=twist)
         self.loads = product_loads(loads, AXIAL.load_vectors(2))
         self.recovery = Recovery(nodes)
         self.condensed = condense_nodes(
-            section,
-            AXIAL,
-            mesh,
-            self.by_node(self.loads),
-            cut_degree=CUT_DEGREE,
-            twisted=bool(twist),
-            recovery=self.recovery,
+            section, mesh, self.by_node(self.loads), recovery=self.recovery
         )
         cut = np.concatenate([mesh.left_nodes, mesh.right_nodes])
         self.kept = unknowns(cut, AXIAL.count, CUT_DEGREE + 1)

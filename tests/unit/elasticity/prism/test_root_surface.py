@@ -10,10 +10,10 @@ import pytest
 
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
+from flankload.elasticity import sector_closure
 from flankload.elasticity.axial_basis import AxialBasis, AxialRegions
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.prism import Prism, prism_compliance
-from flankload.elasticity.prism import compliance as compliance_module
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear
@@ -138,7 +138,7 @@ def test_readings_do_not_change_the_compliance() -> None:
 
 
 def test_no_front_is_kept_unless_stress_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compliance_module, "Recovery", None)
+    monkeypatch.setattr(sector_closure, "Recovery", None)
     assert prism_compliance(BODY, COARSE, n_modes=2).root is None
 
 
