@@ -1,4 +1,4 @@
-"""REXS, the exchange format of the FVA for gearboxes: a cylindrical gear stage as a scene.
+"""REXS, the exchange format of the FVA for gearboxes: a cylindrical or planetary stage as a scene.
 
 `reading` makes a `Model` (components, attributes, relations) of an XML, JSON or ZIP file;
 `attributes` is the table of the attributes that are read, each with its key of a scene;

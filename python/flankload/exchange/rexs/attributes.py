@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from math import pi
 
 GEARS = ("cylindrical_gear", "ring_gear")
+#: Type of a stage with a sun, planets and a ring, which has a cylindrical stage for each gear mesh.
+PLANETARY = "planetary_stage"
 PLAIN = "as it is"
 #: By the unit in which a scene counts: factors from the units that a file may name. Spellings are
 #: those of the database ("mum", "N / mm^2", "°" up to REXS 1.3) and the usual ones beside them.

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flankload.exchange.rexs.attributes import GEARS
+from flankload.exchange.rexs.attributes import GEARS, PLANETARY
 
 if TYPE_CHECKING:
     from flankload.exchange.rexs.model import Component, Model
@@ -28,23 +28,36 @@ class Stage:
         return self.gears[1].type == "ring_gear"
 
 
-def stage_of(model: Model, number: int | None) -> Stage:
-    """A stage by its id, or the only stage.
+def chosen_stage(model: Model, number: int | None) -> Component:
+    """A stage by its id, or the only one; a planetary stage counts as one with its own stages.
 
-    Refused: an unknown id, several stages and no id, a relation that does not name two gears.
+    Refused: an unknown id, several stages and no id.
     """
-    ids = [part.id for part in _stages(model)]
-    if not ids:
+    every = _stages(model)
+    if not every:
         model.refuse("cylindrical_stage", "at least one in the model", "none")
-    if number is None and len(ids) == 1:
-        number = ids[0]
+    inside = {part.id for stage in every for part in stages_within(model, stage)}
+    alone = [part.id for part in every if part.id not in inside]
+    if number is None and len(alone) == 1:
+        number = alone[0]
+    ids = [part.id for part in every]
     if number not in ids:
-        expected = f"the id of a cylindrical_stage: {', '.join(map(str, ids))}"
+        kinds = " or ".join(dict.fromkeys(part.type for part in every))
+        expected = f"the id of a {kinds}: {', '.join(map(str, ids))}"
         model.refuse("--stage", expected, "nothing" if number is None else number)
-    return _stage(model, model.components[number])
+    return model.components[number]
 
 
-def _stage(model: Model, component: Component) -> Stage:
+def stages_within(model: Model, stage: Component) -> list[Component]:
+    """Cylindrical stages of a planetary stage: one for each gear mesh."""
+    if stage.type != PLANETARY:
+        return []
+    parts = model.partners("assembly", "assembly", stage.id, "part")
+    return [part for part in parts if part.type == "cylindrical_stage"]
+
+
+def stage_of(model: Model, component: Component) -> Stage:
+    """A cylindrical stage with its gears; refused if its relation does not name two gears."""
     gears = {
         role: model.partners("stage", "stage", component.id, role) for role in ("gear_1", "gear_2")
     }
@@ -66,23 +79,37 @@ def stage_rows(model: Model) -> list[tuple[str, ...]]:
     """Table of the stages: id, ids and teeth of the gears, kind, name; the header first."""
     rows: list[tuple[str, ...]] = [("stage", "gears", "teeth", "kind", "name")]
     for part in _stages(model):
-        stage = _stage(model, part)
-        gears = [gear.attributes.get("number_of_teeth") for gear in stage.gears]
-        teeth = ["?" if found is None else f"{found.value}" for found in gears]
+        within = stages_within(model, part)
+        meshes = [stage_of(model, one) for one in within or [part]]
+        # a sun first, a ring last
+        gears = list(dict.fromkeys(gear.id for stage in meshes for gear in stage.gears))
+        gears.sort(key=lambda gear: model.components[gear].type == "ring_gear")
+        kind = "internal" if meshes[0].is_internal else "external"
         rows.append(
             (
                 f"{part.id}",
-                ", ".join(f"{gear.id}" for gear in stage.gears),
-                ", ".join(count.removesuffix(".0") for count in teeth),
-                "internal" if stage.is_internal else "external",
+                ", ".join(map(str, gears)),
+                ", ".join(_teeth(model.components[gear]) for gear in gears),
+                "planetary" if within else kind,
                 part.name,
             )
         )
     return rows
 
 
+def _teeth(gear: Component) -> str:
+    """Tooth number as in the file."""
+    found = gear.attributes.get("number_of_teeth")
+    return "?" if found is None else f"{found.value}".removesuffix(".0")
+
+
 def _stages(model: Model) -> list[Component]:
-    return [part for part in model.components.values() if part.type == "cylindrical_stage"]
+    """Cylindrical stages, and planetary stages with cylindrical ones."""
+    return [
+        part
+        for part in model.components.values()
+        if part.type == "cylindrical_stage" or stages_within(model, part)
+    ]
 
 
 # --- load -----------------------------------------------------------------------------------------
@@ -116,18 +143,18 @@ def torque_of(
         if source is not None and (value := source.number("torque", "N m")) and ratio:
             return float(f"{abs(value) * ratio:.12g}")
     for gear, ratio in zip(stage.gears, ratios, strict=True):
-        if (value := _torque_of_shaft(stock, gear)) and ratio:
+        if (value := torque_of_shaft(stock, gear)) and ratio:
             return float(f"{abs(value) * ratio:.12g}")
     return None
 
 
-def _torque_of_shaft(stock: Stock, gear: Component) -> float | None:
-    """The only torque on the shaft of a gear that is the only one, and in one stage only."""
+def torque_of_shaft(stock: Stock, gear: Component, most_stages: int = 1) -> float | None:
+    """The only torque on the shaft of a gear that is the only one, and in few stages only."""
     model = stock.model
     shafts = model.partners("assembly", "part", gear.id, "assembly")
     roles = ("gear_1", "gear_2")
     stages = [part for role in roles for part in model.partners("stage", role, gear.id, "stage")]
-    if len(shafts) != 1 or len(stages) != 1 or _is_coupled(model, shafts[0]):
+    if len(shafts) != 1 or len(stages) > most_stages or _is_coupled(model, shafts[0]):
         return None
     parts = model.partners("assembly", "assembly", shafts[0].id, "part")
     loads = [
