@@ -14,6 +14,7 @@ from tests.support.paths import ROOT, SCENES
 EXAMPLE = ROOT / "examples" / "gearboxes" / "planetary_stage.rexs"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
 RING = {"body_2.outer_diameter_mm": 207, "stage.floating": "sun"}
+PLANET_2 = '<component id="55" type="cylindrical_gear" name="planet 2">'
 #: Places of the planets in the example, as in the file.
 PLACES = [f"<c>100</c><c>{y}</c><c>{z}</c>" for y, z in ((0, 63), (-63, 0), (0, -63), (63, 0))]
 
@@ -74,9 +75,8 @@ def test_without_positions_planets_are_equally_spaced(tmp_path: Path) -> None:
             "planetary_stage 9: expected planets that are in mesh with the sun and with the ring",
         ),
         (
-            '<component id="55" type="cylindrical_gear" name="planet 2">',
-            '<component id="55" type="cylindrical_gear" name="planet 2">'
-            + '<attribute id="root_diameter" unit="mm">43</attribute>',
+            PLANET_2,
+            f"{PLANET_2}<attribute id='root_diameter' unit='mm'>43</attribute>",
             "cylindrical_gear 55: expected a planet equal to cylindrical_gear 54",
         ),
         (
