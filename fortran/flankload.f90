@@ -63,7 +63,7 @@ module flankload
     public :: fl_part_along, fl_part_shift, fl_part_sides, fl_part_friction
     public :: fl_part_axial, fl_part_slices, fl_part_shaft, fl_part_sections
     public :: fl_part_turned, fl_part_wedge_along, fl_part_height
-    public :: fl_part_members, fl_part_support
+    public :: fl_part_members, fl_part_support, fl_part_carrier, fl_part_tilt
     public :: fl_site_off_corners, fl_site_corner_1, fl_site_corner_2, fl_site_touches
     public :: fl_site_not_parabolic, fl_site_end_would_touch
 

@@ -141,6 +141,14 @@ end subroutine flankload_pack_body
 !> | fl_part_support     | (9), of a body in the plane: displacement along x and y and rotation    |
 !> |                     | about its axis in the fixed frame per force and moment on it (3 x 3,    |
 !> |                     | symmetric) [mm/N, rad/N, rad/(N mm)]                                    |
+!> | fl_part_carrier     | (1 + 36 n), of a body with a shaft: number of the first of n bodies on  |
+!> |                     | one carrier, the others follow it; displacements and rotations of the   |
+!> |                     | section of its shaft per force and moment on that of each of them       |
+!> |                     | (6 x 6 each, as those of fl_part_shaft), where those by itself are part |
+!> |                     | of its shaft. Blocks of two bodies are transposes of each other         |
+!> | fl_part_tilt        | (3), of a body in slices: known rotations about x and y of the fixed    |
+!> |                     | frame [rad]; axial position z of the section about which it is rotated  |
+!> |                     | [mm]                                                                    |
 !>
 !> The parts of a mesh may also be packed into the record of body 1 if it is passed to
 !> flankload_sweep or flankload_sweep_continued, which have no record of a mesh.

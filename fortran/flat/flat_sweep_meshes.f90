@@ -2,8 +2,8 @@
 !>
 !> A mesh names its bodies, their sites and its frame by its part members; its angles are those in
 !> its frame. Bodies have motions in the fixed frame, and each motion has a load. Displacements are
-!> known: run-out, or the position of a pin. Several meshes or motions exclude slices, friction and
-!> finite forces (status -23).
+!> known: run-out, or the position of a pin. Several meshes or motions exclude friction, finite
+!> forces and slices of flanks that conform (status -23).
 !>
 !> info as in flankload_sweep; with several motions no state without load has a motion.
 subroutine flankload_sweep_meshes(n_positions, n_cases, n_bodies, n_meshes, n_motions, n_sites, &

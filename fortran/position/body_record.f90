@@ -20,7 +20,8 @@ module flankload_body_record
     public :: counts_type
     public :: part_tip, part_wedge, part_nodes, part_tangential, part_jump, part_along, part_shift
     public :: part_sides, part_friction, part_axial, part_slices, part_turned, part_wedge_along
-    public :: part_shaft, part_sections, part_height, part_members, part_support
+    public :: part_shaft, part_sections, part_height, part_members, part_support, part_carrier
+    public :: part_tilt
     public :: last_optional, last_part
     public :: part_breaks, part_coefficients, part_corners, part_site_angles, part_deviations
     public :: part_mode_range, part_kernel, part_smooth, part_block, part_mesh
@@ -51,6 +52,8 @@ module flankload_body_record
         enumerator :: part_height
         enumerator :: part_members
         enumerator :: part_support
+        enumerator :: part_carrier
+        enumerator :: part_tilt
         enumerator :: part_breaks
         enumerator :: part_coefficients
         enumerator :: part_corners
@@ -62,7 +65,7 @@ module flankload_body_record
         enumerator :: part_block
         enumerator :: part_mesh
     end enum
-    integer, parameter :: last_optional = part_support, last_part = part_mesh
+    integer, parameter :: last_optional = part_tilt, last_part = part_mesh
     !> Optional parts of a mesh
     integer, parameter :: mesh_parts(5) = [part_sides, part_friction, part_slices, &
         & part_height, part_members]
@@ -81,11 +84,13 @@ module flankload_body_record
 
     !> First number of a record: F, L and B (body) or M (mesh) in ASCII, then the version of this
     !> layout, which changes with the list of parts. Records of other versions are rejected.
-    real(wp), parameter :: body_mark = 70766606.0_wp, mesh_mark = 70767706.0_wp
+    real(wp), parameter :: body_mark = 70766607.0_wp, mesh_mark = 70767707.0_wp
     integer, parameter :: first_count = 3, first_place = 8
     integer, parameter :: header = first_place - 1 + 2*last_part
     !> Number of values of part_height before the compliance
     integer, parameter :: height_values = 9
+    !> Number of values of part_carrier for each body
+    integer, parameter, public :: carrier_block = 36
     !> Marks a dimension that follows from the number of values.
     integer, parameter :: any_number = -1
 
@@ -122,8 +127,10 @@ contains
             extents(1) = 6
         case (part_support)
             extents(:2) = 3
-        case (part_axial, part_slices, part_height)
+        case (part_axial, part_slices, part_height, part_carrier)
             extents(1) = any_number
+        case (part_tilt)
+            extents(1) = 3
         case (part_turned)
             extents(:2) = [n%modes, n%blocks]
         case (part_shaft)
@@ -218,6 +225,10 @@ contains
             n_places = merge(6, 3, part == part_shaft)
             valid = is_symmetric(values(:n_places**2), n_places) &
                 & .and. all(values(:n_places**2:n_places + 1) >= 0.0_wp)
+        case (part_carrier)
+            ! the first body of those that the carrier has, then a block for each of them
+            valid = mod(size(values), carrier_block) == 1 .and. size(values) > 1
+            if (valid) valid = are_counts(values(1)) .and. values(1) >= 1.0_wp
         case (part_height)
             ! a symmetric compliance follows nine numbers, of which the third is a length
             valid = size(values) == height_values + n%sites**2

@@ -70,6 +70,16 @@ module flankload_mesh
         integer :: finite_steps = 0
     end type grid_settings
 
+    !> A carrier that couples the shafts of several bodies.
+    type :: carrier_type
+        !> The first of these bodies; the others follow
+        integer :: first = 1
+        !> Displacements and rotations of the section of a body under forces and moments on the
+        !> sections of all of them, as of a shaft, shape (6, 6, bodies); the block of the body
+        !> itself is part of its shaft
+        real(wp), allocatable :: compliance(:, :, :)
+    end type carrier_type
+
     !> Body: flanks, sites, and compliance.
     type :: body_type
         !> Flank of the body; if it varies along the face width, the flanks of all slices, which
@@ -87,6 +97,11 @@ module flankload_mesh
         !> [rad] per force along x and y [N] and moment about its axis [N mm] in the fixed frame,
         !> symmetric, shape (3, 3); not allocated if rigid
         real(wp), allocatable :: support(:, :)
+        !> Carrier of a body with a shaft; not allocated without
+        type(carrier_type), allocatable :: carrier
+        !> Known rotations about x and y of the fixed frame [rad], and the axial position of the
+        !> section about which the body is rotated [mm], shape (3); not allocated without
+        real(wp), allocatable :: tilt(:)
     end type body_type
 
     !> Common height over which flanks on nearly common axes conform in slices, with one unknown per

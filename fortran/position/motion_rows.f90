@@ -8,7 +8,7 @@ module flankload_motion_rows
     use flankload_kinds, only: wp
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: zone_type
-    use flankload_mesh, only: along_x, along_y, mesh_type, motion_type
+    use flankload_mesh, only: along_x, along_y, body_type, mesh_type, motion_type
     implicit none
     private
 
@@ -155,24 +155,59 @@ contains
 
     !> Return the rotation of body 1 of its mesh by which known displacements of all bodies close a
     !> gap [rad].
-    pure function closed_by_displacements(displacements, mesh, side, closing) result(turn)
+    pure function closed_by_displacements(bodies, displacements, mesh, zone, point, closing) &
+            & result(turn)
+        !> The bodies, which may be tilted
+        type(body_type), intent(in) :: bodies(:)
         !> Displacements of the bodies along x and y [mm] and rotations [rad], shape (3, bodies)
         real(wp), intent(in) :: displacements(:, :)
-        !> As in in_fixed_frame
+        !> The mesh, and a zone of it
         type(mesh_type), intent(in) :: mesh
-        real(wp), intent(in) :: side
+        type(zone_type), intent(in) :: zone
+        !> Point in the frame of the mesh [mm]; in its mirror image for coast flanks
+        real(wp), intent(in) :: point(2)
+        !> As in in_fixed_frame
         real(wp), intent(in) :: closing(3, 2)
         real(wp) :: turn
 
-        turn = sum(in_fixed_frame(mesh, side, closing)*displacements(:, mesh%bodies))
+        integer :: b
+        real(wp) :: moved(3, 2)
+
+        moved = displacements(:, mesh%bodies)
+        do b = 1, 2
+            associate (body => bodies(mesh%bodies(b)))
+                if (.not. allocated(body%tilt)) cycle
+                moved(:, b) = moved(:, b) + tilted(body, 0.5_wp*sum(zone%edges), &
+                    & turned_to_fixed_frame(mesh, point*[1.0_wp, zone%side] - mesh%axes(:, b)))
+            end associate
+        end do
+        turn = sum(in_fixed_frame(mesh, zone%side, closing)*moved)
     end function closed_by_displacements
 
+    !> Return the displacement along x and y [mm] and the rotation [rad] of the section of a tilted
+    !> body that move its flank at a point as the tilt does. A helicoid that is displaced along its
+    !> axis looks rotated.
+    pure function tilted(body, z, arm) result(moved)
+        !> The body
+        type(body_type), intent(in) :: body
+        !> Axial position of the section [mm], and point from the axis in the fixed frame [mm]
+        real(wp), intent(in) :: z
+        real(wp), intent(in) :: arm(2)
+        real(wp) :: moved(3)
+
+        associate (tilt => body%tilt)
+            moved = [tilt(2)*(z - tilt(3)), -tilt(1)*(z - tilt(3)), &
+                & -body%compliance%twist*(tilt(1)*arm(2) - tilt(2)*arm(1))]
+        end associate
+    end function tilted
+
     !> Subtract known displacements of the bodies from the gaps of pairs of one zone.
-    pure subroutine displace_pairs(displacements, mesh, side, first, pairs)
+    pure subroutine displace_pairs(bodies, displacements, mesh, zone, first, pairs)
         !> As in closed_by_displacements
+        type(body_type), intent(in) :: bodies(:)
         real(wp), intent(in) :: displacements(:, :)
         type(mesh_type), intent(in) :: mesh
-        real(wp), intent(in) :: side
+        type(zone_type), intent(in) :: zone
         !> Index of the first pair; the others follow
         integer, intent(in) :: first
         !> The pairs
@@ -182,7 +217,8 @@ contains
 
         do i = first, pairs%n
             pairs%gap_angle(i) = pairs%gap_angle(i) &
-                & - closed_by_displacements(displacements, mesh, side, pairs%closing(:, :, i))
+                & - closed_by_displacements(bodies, displacements, mesh, zone, &
+                & pairs%point(:, i), pairs%closing(:, :, i))
         end do
     end subroutine displace_pairs
 

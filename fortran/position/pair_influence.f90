@@ -15,7 +15,7 @@ module flankload_pair_influence
         & near_field, turned_forces
     use flankload_mesh, only: body_type, mesh_type
     use flankload_mode_field, only: add_modes, places_type
-    use flankload_shaft_influence, only: add_shaft, slide_shaft
+    use flankload_shaft_influence, only: add_carrier, add_shaft, slide_shaft
     use flankload_support_influence, only: add_support
     use flankload_zone_influence, only: segments_of
     implicit none
@@ -38,13 +38,14 @@ contains
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
         integer :: b
-        type(contribution_type) :: symmetric(5), other(4)
+        type(contribution_type) :: symmetric(6), other(4)
         type(places_type) :: places(size(bodies))
 
         ! symmetric ones add to the lower triangle, which is then copied to the upper one
         symmetric = [contribution_type(together=elastic_modes), &
             & contribution_type(together=cells_in_slices), contribution_type(alone=near_field), &
-            & contribution_type(alone=add_shaft), contribution_type(alone=add_support)]
+            & contribution_type(alone=add_shaft), contribution_type(alone=add_support), &
+            & contribution_type(together=add_carrier)]
         other = [contribution_type(alone=turned_forces), contribution_type(alone=friction), &
             & contribution_type(together=friction_in_slices), contribution_type(alone=slide_shaft)]
         do b = 1, size(bodies)

@@ -235,8 +235,8 @@ contains
                 return
             end if
             call shift_pairs(bodies, zone, first, pairs)
-            if (allocated(position%displacements)) call displace_pairs(position%displacements, &
-                & meshes(zone%mesh), zone%side, first, pairs)
+            if (allocated(position%displacements)) call displace_pairs(bodies, &
+                & position%displacements, meshes(zone%mesh), zone, first, pairs)
             if (has_friction(meshes)) call add_friction(meshes(zone%mesh)%friction, &
                 & zone%side*position%speeds, facing, zone, first, pairs)
             if (zone%side < 0.0_wp) call take_out_of_mirror(first, pairs)

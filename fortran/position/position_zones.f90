@@ -116,9 +116,7 @@ contains
         type(zone_type), allocatable :: zones(:), found(:)
 
         position%motions = motions
-        if (allocated(configuration%displacements)) then
-            position%displacements = configuration%displacements
-        end if
+        call set_displacements(bodies, configuration, position)
         if (allocated(configuration%speeds)) position%speeds = configuration%speeds
         allocate (position%facing(sum(meshes%n_sites)), position%deviation(sum(meshes%n_sites)), &
             & faces(sum(meshes%n_sites)), zones(0))
@@ -165,16 +163,32 @@ contains
         done = allocated(position%angles)
         if (done) done = .not. any(abs(position%angles - configuration%angles) > 0.0_wp)
         if (.not. done) return
-        if (allocated(position%displacements)) deallocate (position%displacements)
-        if (allocated(configuration%displacements)) then
-            position%displacements = configuration%displacements
-        end if
+        call set_displacements(bodies, configuration, position)
         if (allocated(configuration%speeds)) position%speeds = configuration%speeds
         if (allocated(position%ends)) then
             position%end_gap = gaps_without_load(bodies, meshes, position, position%ends)
         end if
         position%gap = gaps_without_load(bodies, meshes, position, position%zones)
     end subroutine displace_contacts
+
+    !> Set the known displacements of the bodies of a position, besides which they may be tilted.
+    pure subroutine set_displacements(bodies, configuration, position)
+        !> The bodies
+        type(body_type), intent(in) :: bodies(:)
+        !> Configuration of the bodies
+        type(configuration_type), intent(in) :: configuration
+        !> The position
+        type(position_type), intent(inout) :: position
+
+        integer :: b
+
+        if (allocated(position%displacements)) deallocate (position%displacements)
+        if (allocated(configuration%displacements)) then
+            position%displacements = configuration%displacements
+        else if (any([(allocated(bodies(b)%tilt), b=1, size(bodies))])) then
+            allocate (position%displacements(3, size(bodies)), source=0.0_wp)
+        end if
+    end subroutine set_displacements
 
     !> Compute the frames of the flanks of a mesh, and choose the sites to be searched.
     subroutine place_flanks(bodies, mesh, angles, everywhere, first, position, faces, unseen)
@@ -440,14 +454,15 @@ contains
 
         integer :: z
 
+        ! levers of the transverse section, of which those in slices are parts
         gap = zones%gap_angle &
-            & - position%deviation(zones%site)/zones%lever
+            & - position%deviation(zones%site)/(zones%lever/zones%cosine)
         do z = 1, size(zones)
             if (has_shift(bodies, zones(z))) gap(z) = gap(z) &
-                & - zone_shift(bodies, zones(z))/zones(z)%lever
+                & - zone_shift(bodies, zones(z))/(zones(z)%lever/zones(z)%cosine)
             if (allocated(position%displacements)) gap(z) = gap(z) &
-                & - closed_by_displacements(position%displacements, meshes(zones(z)%mesh), &
-                & zones(z)%side, zones(z)%closing)
+                & - closed_by_displacements(bodies, position%displacements, &
+                & meshes(zones(z)%mesh), zones(z), zones(z)%nearest%point_1, zones(z)%closing)
         end do
     end function gaps_without_load
 

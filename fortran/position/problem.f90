@@ -90,7 +90,41 @@ contains
         do m = 1, size(problem%meshes)
             call check_mesh(problem, m, error)
         end do
+        call check_carriers(problem%bodies, error)
     end subroutine check_problem
+
+    !> Check that all bodies on a carrier have shafts.
+    pure subroutine check_carriers(bodies, error)
+        !> The bodies
+        type(body_type), intent(in) :: bodies(:)
+        !> Set if a body is invalid
+        type(error_type), allocatable, intent(inout) :: error
+
+        integer :: b, last
+        logical :: on_shafts
+
+        do b = 1, size(bodies)
+            if (.not. allocated(bodies(b)%carrier)) cycle
+            associate (carrier => bodies(b)%carrier)
+                last = carrier%first + size(carrier%compliance, 3) - 1
+                on_shafts = last <= size(bodies)
+                if (on_shafts) on_shafts = all_on_shafts(bodies(carrier%first:last))
+                call expect(error, on_shafts, 'body '//number_text(b), &
+                    & 'shafts of all bodies on its carrier')
+            end associate
+        end do
+    end subroutine check_carriers
+
+    !> Return whether all bodies have shafts.
+    pure function all_on_shafts(bodies) result(all_of)
+        !> The bodies
+        type(body_type), intent(in) :: bodies(:)
+        logical :: all_of
+
+        integer :: b
+
+        all_of = all([(allocated(bodies(b)%shaft), b=1, size(bodies))])
+    end function all_on_shafts
 
     !> Check whether the bodies of a mesh match.
     pure subroutine check_mesh(problem, number, error)

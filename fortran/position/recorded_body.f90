@@ -7,13 +7,13 @@ module flankload_recorded_body
     use flankload_friction, only: new_friction
     use flankload_compliance_field, only: compliance_type
     use flankload_mesh, only: body_type, grid_settings, height_type, mesh_type
-    use flankload_body_record, only: are_valid, body_mark, counts_in, counts_type, height_values, &
-        & is_record, last_part, mesh_mark, part_along, part_axial, part_block, part_breaks, &
+    use flankload_body_record, only: are_valid, body_mark, carrier_block, counts_in, counts_type, &
+        & height_values, is_record, last_part, mesh_mark, part_along, part_axial, part_block, part_breaks, &
         & part_coefficients, part_corners, part_deviations, part_friction, part_height, part_jump, &
         & part_kernel, part_members, part_mesh, part_mode_range, part_nodes, part_sections, &
         & part_shaft, part_shift, part_sides, part_site_angles, part_slices, part_smooth, &
-        & part_support, part_tangential, part_tip, part_turned, part_wedge, part_wedge_along, &
-        & place_in, shape_in
+        & part_support, part_carrier, part_tangential, part_tilt, part_tip, part_turned, &
+        & part_wedge, part_wedge_along, place_in, shape_in
     implicit none
     private
 
@@ -37,7 +37,7 @@ contains
         !> False if the array is not a record, or a value in it is invalid
         logical, intent(out) :: valid
 
-        real(wp), allocatable :: breaks(:), corners(:), shaft(:)
+        real(wp), allocatable :: breaks(:), corners(:), shaft(:), carrier(:)
 
         valid = is_record(body_mark, record)
         if (valid) valid = has_valid_parts(record)
@@ -54,6 +54,13 @@ contains
             body%shaft%z = shaft(37)
         end if
         call take(record, part_support, body%support)
+        call take(record, part_carrier, carrier)
+        if (allocated(carrier)) then
+            allocate (body%carrier)
+            body%carrier%first = nint(carrier(1))
+            body%carrier%compliance = reshape(carrier(2:), [6, 6, size(carrier)/carrier_block])
+        end if
+        call take(record, part_tilt, body%tilt)
         call read_compliance(record, body%compliance)
         body%compliance%closed = body%flanks(1)%curve%closed
         ! tables between nodes already include images behind free corners

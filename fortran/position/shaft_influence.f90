@@ -1,15 +1,17 @@
 !> Shafts and bearings in K: a body is fixed to a section of its shaft, which moves as a rigid body
 !> under the forces on all flanks, by S w. A force displaces the flanks by wᵀ S w, with w the
-!> wrenches of unit forces: a term of rank 6.
+!> wrenches of unit forces: a term of rank 6. A carrier couples the shafts of several bodies.
 module flankload_shaft_influence
     use flankload_kinds, only: wp
     use flankload_lapack, only: add_block, set_product
-    use flankload_mesh, only: body_type
+    use flankload_contact_pairs, only: pairs_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_mesh, only: body_type, mesh_type
     use flankload_mode_field, only: places_type
     implicit none
     private
 
-    public :: add_shaft, slide_shaft
+    public :: add_carrier, add_shaft, slide_shaft
 
 contains
 
@@ -24,6 +26,33 @@ contains
         if (allocated(body%shaft)) call add_product_of(body%shaft%compliance, places%on_shaft, &
             & size(places%of), matrix)
     end subroutine add_shaft
+
+    !> Add wᵀ S w between the flanks of different bodies on a carrier.
+    pure subroutine add_carrier(bodies, meshes, zones, pairs, places, matrix)
+        !> As in between_bodies
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        type(zone_type), intent(in) :: zones(:)
+        type(pairs_type), intent(in) :: pairs
+        type(places_type), intent(in) :: places(:)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: b, k, other
+        real(wp), allocatable :: moved(:, :)
+
+        do b = 1, size(bodies)
+            if (.not. allocated(bodies(b)%carrier)) cycle
+            associate (carrier => bodies(b)%carrier)
+                do k = 1, size(carrier%compliance, 3)
+                    other = carrier%first + k - 1
+                    if (other == b) cycle
+                    moved = matmul(carrier%compliance(:, :, k), places(other)%on_shaft)
+                    matrix(places(b)%of, places(other)%of) = matrix(places(b)%of, &
+                        & places(other)%of) + matmul(transpose(places(b)%on_shaft), moved)
+                end do
+            end associate
+        end do
+    end subroutine add_carrier
 
     !> Add wᵀ S w in panels.
     pure subroutine add_product_of(compliance, wrenches, n, matrix)

@@ -18,7 +18,7 @@ module flankload_zone_influence
     use flankload_near_field, only: image_displacement, image_type, near_field_between, new_image
     use flankload_polar_geometry, only: part_in_section
     use flankload_position_zones, only: position_type
-    use flankload_shaft_influence, only: add_shaft, slide_shaft
+    use flankload_shaft_influence, only: add_carrier, add_shaft, slide_shaft
     use flankload_slice_field, only: add_segment_field, segment_type, tangential_field
     use flankload_support_influence, only: add_support
     use flankload_tabled_influence, only: table_remainder
@@ -53,8 +53,8 @@ contains
         end do
         position%kernel = kernel(1, :) + kernel(2, :)
         call add_contributions([contribution_type(alone=add_shaft), &
-            & contribution_type(alone=add_support)], bodies, meshes, position%zones, none, places, &
-            & position%smooth)
+            & contribution_type(alone=add_support), contribution_type(together=add_carrier)], &
+            & bodies, meshes, position%zones, none, places, position%smooth)
         call mirror(position%smooth)
         position%coupling = position%smooth
         allocate (position%most_half_width(size(meshes)), source=huge(1.0_wp))

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.mechanisms.stage.assembly import assemble
-from flankload.mechanisms.stage.states import counted_work
+from flankload.contact.stage_contact import sweep_displaced
+from flankload.mechanisms.stage.assembly import NAMES, assemble
+from flankload.mechanisms.stage.modes import stage_modes
+from flankload.mechanisms.stage.states import compliances_of, counted_work
+from flankload.mechanisms.stage_clock import StageClock
 from tests.support.solving import solve
 from tests.support.stages_with_width import stage, wide
 from tests.support.tolerances import SOLVER
@@ -205,3 +208,87 @@ def test_the_work_of_the_elements_is_predicted():
     for name, predicted in counted_work(scene, assemble(scene)).items():
         found = stages[name]["counters"] | {"bytes": stages[name]["bytes"]}
         assert {key: found.get(key, 0) for key in predicted} == dict(predicted), name
+
+
+#: An elastic carrier whose webs twist.
+CARRIER = {
+    "plate_distance_mm": 36,
+    "pin_diameter_mm": 22,
+    "torsional_stiffness_Nm_per_mrad": 200,
+    "torque_end": "I",
+}
+#: Under a light load, springs and known errors differ at the ends of contact lines only, where the
+#: normals of both flanks do (measured 7e-5).
+LIGHT, KNOWN = {"torque_Nm": 4.5}, 1e-4
+
+
+@pytest.mark.parametrize("contact", ["lumped", "pairs"])
+def test_pins_displaced_by_their_load_are_pins_with_errors(contact):
+    """Carrier, bearings and known errors move flanks in the same way."""
+    springs = {"carrier": CARRIER, "pin_stiffness_N_per_um": 500, **TILTING}
+    soft = stage(stage=springs, load=LIGHT, effects={"contact": contact})
+    scene = fl.Scene.from_dict(wide(stage=springs))
+    compliance = assemble(scene).supports.compliances(soft.stage.planet_angles_rad)[1:-1, :, 1:-1]
+    wrenches = np.zeros((3, 6))
+    wrenches[:, :2], wrenches[:, 2] = soft.pin_force_N[0], soft.stage.planet_axial_force_N[0]
+    wrenches[:, 3:5] = 1000 * soft.stage.planet_moment_Nm[0]
+    moved = np.einsum("ixjy,jy->ix", compliance, wrenches)
+    np.testing.assert_allclose(soft.stage.planet_tilt_urad[0], 1e6 * moved[:, 3:5], rtol=KNOWN)
+    angle = soft.stage.planet_angles_rad
+    inwards = -np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    against = np.stack([np.sin(angle), -np.cos(angle)], axis=1)
+    slopes = np.stack([moved[:, 4], -moved[:, 3]], axis=1)
+    errors = {}
+    for along, direction in (("radial", inwards), ("tangential", against)):
+        errors[f"pin_{along}_errors_um"] = 1e3 * (moved[:, :2] * direction).sum(axis=1)
+        errors[f"pin_{along}_inclinations_um_per_mm"] = 1e3 * (slopes * direction).sum(axis=1)
+    errors = {name: values.tolist() for name, values in errors.items()}
+    rigid = stage(stage=errors, load=LIGHT, effects={"contact": contact})
+    np.testing.assert_allclose(rigid.transmission_error_um, soft.transmission_error_um, rtol=KNOWN)
+    for kind in KINDS:
+        forces = line_loads(soft, 1, kind)
+        np.testing.assert_allclose(
+            line_loads(rigid, 1, kind), forces, rtol=0, atol=KNOWN * forces.max()
+        )
+
+
+def test_a_carrier_that_twists():
+    """The load moves to the plate that does not turn; a spur stage seen from the other end."""
+    one, other = (
+        stage(0.0, stage={"carrier": {**CARRIER, "torque_end": end}}) for end in ("I", "II")
+    )
+    rigid = stage(0.0, stage={"carrier": {**CARRIER, "torsional_stiffness_Nm_per_mrad": 1e9}})
+    np.testing.assert_allclose(one.transmission_error_um, other.transmission_error_um, rtol=1e-10)
+    for kind in KINDS:
+        forces = line_loads(one, 1, kind)
+        np.testing.assert_allclose(
+            line_loads(other, 1, kind)[::-1], forces, rtol=0, atol=1e-10 * forces.max()
+        )
+        assert forces[0] > 1.1 * forces[-1]
+    assert (one.stage.mesh_face_load_factor > 1.05 * rigid.stage.mesh_face_load_factor).all()
+    turned = one.stage.planet_tilt_urad[0] @ [1, 1j] * np.exp(-1j * one.stage.planet_angles_rad)
+    assert np.abs(turned).min() > 10.0
+
+
+def test_designs_of_a_helical_stage_share_their_positions():
+    """Crownings were divided by the levers of slices in place of those of the section."""
+    scenes = [
+        fl.Scene.from_dict(
+            wide(body_1={"lead_crowning_um": 10.0}, stage={"pin_tangential_errors_um": [e, 0, 0]})
+        )
+        for e in (0.0, 5.0)
+    ]
+    assemblies = [assemble(scene) for scene in scenes]
+    alone = [solve(scene).transmission_error_um for scene in scenes]
+    clock = StageClock(None, NAMES, 1, {})
+    assembly, compliances = compliances_of(scenes[0], assemblies[0], clock, {})
+    contacts = [one.contact(scenes[0], compliances) for one in assemblies]
+    found = sweep_displaced(contacts, assembly.position_rad, scenes[0].torques_Nmm)
+    radius = assembly.bodies[0].reference_radius_mm
+    for (sweep,), one in zip(found, alone, strict=True):
+        np.testing.assert_allclose(1000 * radius * sweep.planets.rotation_rad, one, rtol=1e-8)
+
+
+def test_modes_of_a_stage_with_width_are_refused():
+    with pytest.raises(fl.SceneError, match=r"effects\.dimension: expected nothing for modes"):
+        stage_modes(fl.Scene.from_dict(wide()))

@@ -139,7 +139,7 @@ def flexible_shaft(
     inside = ~(below | above)
     modulus, shear_modulus = _moduli(table)
     inner = table.bore_diameter_mm or 0.0
-    area, moment, sheared = _round_section(np.array(bore_diameter_mm), inner, table.poisson_ratio)
+    area, moment, sheared = round_section(np.array(bore_diameter_mm), inner, table.poisson_ratio)
     return FlexibleShaft(
         range_mm=range_mm,
         radius_mm=0.5 * bore_diameter_mm,
@@ -234,7 +234,7 @@ def _flexibility(
     s = 0.5 * (near + far)[..., np.newaxis] + 0.5 * (far - near)[..., np.newaxis] * points
     ds = 0.5 * (far - near)[..., np.newaxis] * weights
     modulus, shear_modulus = _moduli(table)
-    area, moment, sheared = _round_section(
+    area, moment, sheared = round_section(
         np.array(sizes.diameters_mm), table.bore_diameter_mm or 0.0, table.poisson_ratio
     )
     moments = np.stack(np.broadcast_arrays(x[:, np.newaxis, np.newaxis, np.newaxis] - s, 1.0))
@@ -267,7 +267,7 @@ def _moduli(table: keys.Shaft) -> tuple[float, float]:
     return table.young_modulus_MPa, table.young_modulus_MPa / (2.0 * (1.0 + table.poisson_ratio))
 
 
-def _round_section(
+def round_section(
     outer: Floats, inner: float, poisson_ratio: float
 ) -> tuple[Floats, Floats, Floats]:
     """Area, second moment of area and shear area (Cowper 1966) of hollow circles."""

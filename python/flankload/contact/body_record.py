@@ -50,6 +50,8 @@ PARTS = (
     "height",
     "members",
     "support",
+    "carrier",
+    "tilt",
 )
 #: Value of the core for a curve end that is a cut, where contact cannot begin.
 CUT_CORNER = 2

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.contact.body_record import core_sites, packed_body, packed_mesh
+from flankload.contact.body_record import core_sites, packed_body, packed_mesh, packed_parts
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.meshes import (
     Members,
@@ -18,6 +18,7 @@ from flankload.contact.meshes import (
     with_shaft,
     with_support,
 )
+from flankload.contact.stage_wrenches import wrenches_of
 from flankload.contact.status import raise_first_failure
 from flankload.contact.sweep import SITE_RESULTS, Sweep, over_slices
 from flankload.pairing.gear_pair import cosine_base_helix
@@ -91,7 +92,7 @@ class StageContact:
 
     @cached_property
     def springs(self) -> Floats:
-        """(n + 2, 6, 6) Compliances of the supports of sun, planets and ring."""
+        """(n + 2, 6, n + 2, 6) Compliance of the supports of sun, planets and ring."""
         return self.supports.compliances(self.pairing.angles_rad)
 
     def body_records(self) -> list[Floats]:
@@ -148,12 +149,19 @@ class StageContact:
 
     def _on_springs(self, b: int, record: Floats) -> Floats:
         """The record of a body of the core with its support, if that moves."""
-        compliance = self.springs[b]
+        compliance, axial = self.springs[b, :, b], self.axial_shape(b)
+        if 0 < b <= self.count and self.errors.tilts_rad is not None:
+            tilt = (*self.errors.tilts_rad[b - 1], axial.middle_mm)
+            record = packed_parts(record, [("tilt", np.array(tilt))])
         if not compliance.any():
             return record
-        axial = self.axial_shape(b)
         if not axial.plane:
-            return with_shaft(record, compliance, axial.middle_mm)
+            record = with_shaft(record, compliance, axial.middle_mm)
+            if 0 < b <= self.count and self.supports.carrier is not None:
+                # planets are the bodies from 2 on in the core
+                blocks = self.springs[b, :, 1:-1].transpose(0, 2, 1).ravel(order="F")
+                record = packed_parts(record, [("carrier", np.append(2.0, blocks))])
+            return record
         support = np.zeros((3, 3))
         support[:2, :2] = compliance[:2, :2]
         return with_support(record, support)
@@ -330,20 +338,17 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
     sites = [np.split(getattr(found, name)[:, t], ends[:-1], axis=1) for name in SITE_RESULTS]
     pairs = found.pairs[t]
     n_pairs, motions = pairs.count, found.motion[:, t]
-    moved = _displacements(contact, motions, found.resultant[:, t])
-    approach = _approaches(contact, motions, moved)
-    tangent = found.tangent[:, t]
+    tangent, none = found.tangent[:, t], np.zeros(len(motions))
     meshes = []
     for m, mesh in enumerate(contact.pairing.meshes):
         first, pairs = pairs.split_at(contact.site_counts[m])
-        base_radius = contact.bodies[1 if mesh.with_ring else 0].base_radius_mm or 1.0
         slices, nominal = contact.meshes[m].slices, _nominal_torque(contact, mesh, torque_Nmm)
         own = over_slices([parts[m] for parts in sites], slices)
         meshes.append(
             Sweep(
                 torque_Nmm=nominal,
-                rotation_rad=approach[:, m] / base_radius,
-                tangent_rad_per_Nmm=np.zeros(len(approach)),
+                rotation_rad=none,
+                tangent_rad_per_Nmm=none,
                 site_force_per_torque=own["site_force_N"] / (nominal or 1.0),
                 n_pairs=first.count,
                 pairs=replace(first, slice_count=slices.count),
@@ -351,6 +356,13 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
                 **own,
             )
         )
+    moved = _displacements(contact, motions, found.resultant[:, t], meshes)
+    approach = _approaches(contact, motions, moved)
+    radii = [body.base_radius_mm or 1.0 for body in contact.bodies]
+    meshes = [
+        replace(sweep, rotation_rad=approach[:, m] / radii[mesh.with_ring])
+        for m, (mesh, sweep) in enumerate(zip(contact.pairing.meshes, meshes, strict=True))
+    ]
     force = np.stack([mesh.site_force_N.sum(axis=1) for mesh in meshes[:n]], axis=-1)
     peak, corner = _largest_peaks(meshes, n)
     planets = Sweep(
@@ -385,16 +397,24 @@ def _nominal_torque(contact: StageContact, mesh: StageMesh, torque_Nmm: float) -
     return torque_Nmm * ratio / contact.count
 
 
-def _displacements(contact: StageContact, motions: Floats, resultants: Floats) -> Floats:
-    """(P, n + 2, 2) Displacements of sun, planets and ring by motions and supports, mm."""
+def _displacements(
+    contact: StageContact, motions: Floats, resultants: Floats, meshes: Sequence[Sweep]
+) -> Floats:
+    """(P, n + 2, 2) Displacements of sun, planets and ring by motions and supports, mm.
+
+    Supports with a width also move by moments, which are known if pairs are stored.
+    """
     supports, n = contact.supports, contact.count
     moved = np.zeros((*resultants.shape[:2], 2))
     for motion, column in zip(supports.motions(n), motions.T, strict=True):
         if motion.kind != "rotation":
             bodies = slice(motion.body, motion.through + 1)
             moved[:, bodies, "xy".index(motion.kind)] += motion.sign * column[:, np.newaxis]
-    springs = contact.springs[:, :2, :2]
-    return moved + np.einsum("pbx,bxy->pby", resultants[:, :, :2], springs)
+    if contact.meshes[0].slices.plane:
+        return moved + np.einsum(
+            "bxcy,pcy->pbx", contact.springs[:, :2, :, :2], resultants[..., :2]
+        )
+    return moved + np.einsum("bxcy,pcy->pbx", contact.springs[:, :2], wrenches_of(contact, meshes))
 
 
 def _approaches(contact: StageContact, motions: Floats, moved_mm: Floats) -> Floats:

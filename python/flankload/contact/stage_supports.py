@@ -39,6 +39,8 @@ class StageSupports:
     tilt_Nmm_per_rad : three (float, float) or None
         Tilting stiffness of sun, pins and ring about their radial and tangential axes (x and y of
         sun and ring); None if they do not tilt.
+    carrier : (n, 6, n, 6) array or None
+        Motions of the pins in an elastic carrier under forces and moments on all of them.
     """
 
     floating: Floating = "none"
@@ -47,9 +49,10 @@ class StageSupports:
     sun_N_per_mm: float | None = None
     sun_load_N: tuple[float, float] = (0.0, 0.0)
     tilt_Nmm_per_rad: tuple[Pair, Pair, Pair] = (None, None, None)
+    carrier: Floats | None = None
 
     def compliances(self, angles_rad: Floats) -> Floats:
-        """(n + 2, 6, 6) Motions of sun, planets and ring on springs by forces and moments on them.
+        """(n + 2, 6, n + 2, 6) Motions of sun, planets, ring on springs by forces and moments.
 
         mm and rad per N and N mm in the frame of the carrier, of the section in the middle of each
         width; `angles_rad` (n,): polar angles of the planets.
@@ -58,7 +61,13 @@ class StageSupports:
         sun = None if radial_N_per_mm is None else (radial_N_per_mm, radial_N_per_mm)
         of_sun, of_pins, of_ring = self.tilt_Nmm_per_rad
         planets = [_on_springs(self.pin_N_per_mm, of_pins, float(angle)) for angle in angles_rad]
-        return np.stack([_on_springs(sun, of_sun), *planets, _on_springs(None, of_ring)])
+        own = [_on_springs(sun, of_sun), *planets, _on_springs(None, of_ring)]
+        found = np.zeros((len(own), 6, len(own), 6))
+        for b, compliance in enumerate(own):
+            found[b, :, b] = compliance
+        if self.carrier is not None:
+            found[1:-1, :, 1:-1] += self.carrier
+        return found
 
     def motions(self, count: int) -> tuple[Motion, ...]:
         """Rotations of the sun and of the planets, clockwise, then those of a floating member."""

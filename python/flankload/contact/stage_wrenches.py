@@ -57,4 +57,4 @@ def _contacts(contact: StageContact, m: int, sweep: Sweep) -> tuple[Floats, Floa
 
 def tilts_of(contact: StageContact, wrenches: Floats) -> Floats:
     """(P, n + 2, 2) Rotations of sun, planets and ring about x and y on their supports, rad."""
-    return np.einsum("bxy,pby->pbx", contact.springs, wrenches)[..., 3:5]
+    return np.einsum("bxcy,pcy->pbx", contact.springs[:, 3:5], wrenches)

@@ -28,6 +28,8 @@ class StageErrors:
         Eccentricity of the teeth, and its direction at position zero, rad.
     sun_at_mm : (float, float)
         Displacement of the sun by its weight on a support.
+    tilts_rad : (n, 2) array or None
+        Rotations of the pins about x and y, if any.
     """
 
     pins_mm: Floats
@@ -35,12 +37,17 @@ class StageErrors:
     sun_mm: tuple[float, float] = (0.0, 0.0)
     ring_mm: tuple[float, float] = (0.0, 0.0)
     sun_at_mm: tuple[float, float] = (0.0, 0.0)
+    tilts_rad: Floats | None = None
 
     @property
     def any(self) -> bool:
         """Whether there is any error."""
         return bool(
-            self.pins_mm.any() or self.thickness_mm.any() or self.turns or any(self.sun_at_mm)
+            self.pins_mm.any()
+            or self.thickness_mm.any()
+            or self.turns
+            or any(self.sun_at_mm)
+            or self.tilts_rad is not None
         )
 
     @property

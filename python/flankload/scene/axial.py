@@ -67,6 +67,9 @@ STAGE_KEYS = (
     "pin_tilt_stiffness_Nm_per_mrad",
     "sun_tilt_stiffness_Nm_per_mrad",
     "ring_tilt_stiffness_Nm_per_mrad",
+    "pin_tangential_inclinations_um_per_mm",
+    "pin_radial_inclinations_um_per_mm",
+    "carrier",
 )
 #: Keys of regions narrower or wider than the teeth, which require three dimensions.
 REGION_KEYS = ("web_width_mm", "hub_width_mm", "region_sets")
@@ -339,7 +342,8 @@ def _varying_key(scene: "Scene | SceneFile") -> str | None:
     """The first key that varies along the axis."""
     pair, widths = scene.pair, []
     for name in STAGE_KEYS:
-        if getattr(scene.stage, name, None):
+        value = getattr(scene.stage, name, None)
+        if any(value) if isinstance(value, tuple) else value:
             return f"stage.{name}"
     for key in BODIES:
         body = getattr(scene, key)

@@ -51,7 +51,7 @@ from flankload.scene.usual import with_questions
 
 #: N mm per N m.
 #: Keys of bodies that name a file.
-FILE_KEYS = ("file", "profile_file", "topography_file")
+FILE_KEYS = ("file", "profile_file", "topography_file", "compliance_file")
 #: The table [pair] of chains and belts, whose scenes have none.
 NO_PAIR = Pair(face_width_mm=1.0)
 
@@ -204,7 +204,10 @@ class Scene(Card):
         """Paths of the files that the bodies name, by the dotted path of the key."""
         named = {
             f"{name}.{key}": getattr(body, key, None)
-            for name, body in (("body_1", self.body_1), ("body_2", self.body_2))
+            for name, body in (
+                *(("body_1", self.body_1), ("planet", self.planet), ("body_2", self.body_2)),
+                ("stage.carrier", None if self.stage is None else self.stage.carrier),
+            )
             for key in FILE_KEYS
         }
         return {key: self.folder / path_of(name) for key, name in named.items() if name is not None}

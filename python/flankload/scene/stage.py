@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from msgspec import Meta
 
 from flankload.scene.axial import MISALIGNMENTS, three_dimensional_key
+from flankload.scene.carrier import Carrier
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.gear import Gear, Ring
 from flankload.scene.mates import check_base_pitches
+from flankload.scene.pair import USUAL_MISALIGNMENT, Misalignment
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import (
     BODIES,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 
 MOST_PLANETS, MOST_BOLTS = 30, 360
 Errors = tuple[Deviation, ...]
+Inclinations = tuple[Misalignment, ...]
 Stiffness = Annotated[float, Meta(ge=1e-6, le=1e9)]
 #: Radial and tangential. (msgspec crashes on tuple[float, float] in a union.)
 TwoStiffnesses = Annotated[tuple[Stiffness, ...], Meta(min_length=2, max_length=2)]
@@ -122,6 +125,28 @@ class Stage(Table, frozen=True, kw_only=True):
             "N/um",
             usual=USUAL_STIFFNESS,
         ),
+    ] = None
+    pin_tangential_inclinations_um_per_mm: Annotated[
+        Inclinations,
+        about(
+            "inclination of each pin along the circumference: its tangential error grows by this "
+            "amount per length along z, 0 in the middle of the planet",
+            "um/mm",
+            usual=USUAL_MISALIGNMENT,
+        ),
+    ] = ()
+    pin_radial_inclinations_um_per_mm: Annotated[
+        Inclinations,
+        about(
+            "inclination of each pin along the radius: its radial error grows by this amount per "
+            "length along z",
+            "um/mm",
+            usual=USUAL_MISALIGNMENT,
+        ),
+    ] = ()
+    carrier: Annotated[
+        Carrier | None,
+        about("elastic carrier and pins; absent = rigid, but for the stiffness of pins"),
     ] = None
     pin_tilt_stiffness_Nm_per_mrad: Annotated[
         Stiffness | TwoStiffnesses | None,
@@ -256,7 +281,7 @@ class Stage(Table, frozen=True, kw_only=True):
         return tuple(360.0 * j / self.count for j in range(self.count))
 
     def errors_mm(self, name: str) -> tuple[float, ...]:
-        """A list of errors (n,), 0 without one, mm."""
+        """A list of errors (n,), 0 without one, mm; inclinations per mm."""
         values = getattr(self, name) or (0.0,) * self.count
         return tuple(value / 1000.0 for value in values)
 
@@ -275,8 +300,8 @@ class Stage(Table, frozen=True, kw_only=True):
         """Radial and tangential stiffness of a bolt of the ring, N/mm; None without bolts."""
         return _N_per_mm(self.bolt_stiffness_N_per_um)
 
-    def check(self) -> None:
-        """Check the rules between the keys of this table."""
+    def check(self, given: Mapping[str, Any]) -> None:
+        """Check the rules between the keys of this table; `given`: keys that the scene sets."""
         if (self.planets is None) == (self.angles_deg is None):
             both = self.planets is not None
             refuse("stage.planets", "either planets or angles_deg", "both" if both else "neither")
@@ -288,6 +313,8 @@ class Stage(Table, frozen=True, kw_only=True):
             if values and len(values) != self.count:
                 expected = f"one entry per planet: {self.count}"
                 refuse(f"stage.{name}", expected, f"{len(values)} entries")
+        if self.carrier is not None:
+            self.carrier.check(given.get("carrier", {}), "stage.carrier", self.count)
         self._check_sun()
         self._check_bolts()
         self._check_rim()
@@ -336,7 +363,10 @@ def _N_per_mm(stiffness: float | tuple[float, ...] | None) -> tuple[float, float
 
 
 #: Keys with one entry per planet.
-ERRORS = ("pin_tangential_errors_um", "pin_radial_errors_um", "planet_thickness_errors_um")
+ERRORS = (
+    *("pin_tangential_errors_um", "pin_radial_errors_um", "planet_thickness_errors_um"),
+    *("pin_tangential_inclinations_um_per_mm", "pin_radial_inclinations_um_per_mm"),
+)
 
 
 def check_stage(asked: SceneFile, given: Mapping[str, Any]) -> None:
@@ -348,7 +378,7 @@ def check_stage(asked: SceneFile, given: Mapping[str, Any]) -> None:
                 refuse(missing, f"a table, beside [{there}]", None)
         return
     _check_members(asked, planet)
-    stage.check()
+    stage.check(given["stage"])
     _check_effects(asked, given.get("effects", {}))
     _check_states(asked)
     assert isinstance(asked.body_1, Gear)

@@ -115,6 +115,8 @@ def test_a_record_holds_what_was_packed() -> None:
         "height": np.array(HEIGHT),
         "members": np.array([1.0, 2.0, 0.0, 0.0, 0.3, -1.0]),
         "support": np.diag([1e-6, 2e-6, 0.0]).ravel(),
+        "carrier": np.append(1.0, np.arange(72.0)),
+        "tilt": np.array([1e-4, -2e-4, 0.5]),
     }
     assert set(parts) == set(PARTS)
     record = record_of(*parts.items())

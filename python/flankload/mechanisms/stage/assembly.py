@@ -10,6 +10,7 @@ import numpy as np
 from msgspec import structs
 
 from flankload.base.rotation import directions
+from flankload.bodies.carrier import carrier_compliance
 from flankload.contact.stage_contact import StageContact
 from flankload.contact.stage_supports import StageSupports
 from flankload.errors import SceneError
@@ -169,6 +170,7 @@ def assemble(
             position_rad,
         )
         jobs = _jobs(bodies, stage, effects)
+        supports = _supports(scene, stage, pairing)
     except SceneError as error:
         raise with_file_of(scene, error) from None
     return StageAssembly(
@@ -176,7 +178,7 @@ def assemble(
         jobs=jobs,
         pairing=pairing,
         errors=errors_of(stage, pairing.angles_rad),
-        supports=_supports(stage),
+        supports=supports,
         slices=_slices(scene, bodies),
         discretization=discretization,
         effects=effects,
@@ -266,6 +268,12 @@ def errors_of(stage: Stage, angles_rad: Floats) -> StageErrors:
         np.asarray(stage.errors_mm(f"{name}_errors_um"))
         for name in ("pin_radial", "pin_tangential", "planet_thickness")
     )
+    leaning = [
+        np.asarray(stage.errors_mm(f"pin_{along}_inclinations_um_per_mm"))
+        for along in ("radial", "tangential")
+    ]
+    # du/dz along d is the rotation e_z x d
+    slopes = paths.pin_displacements(*leaning) @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     (x, y), stiffness = _weight(stage), stage.sun_stiffness_N_per_um
     softness = 0.0 if stiffness is None else 1.0 / (1000.0 * stiffness)
     return StageErrors(
@@ -274,6 +282,7 @@ def errors_of(stage: Stage, angles_rad: Floats) -> StageErrors:
         sun_mm=(stage.sun_run_out_um / 2000.0, radians(stage.sun_run_out_angle_deg)),
         ring_mm=(stage.ring_run_out_um / 2000.0, radians(stage.ring_run_out_angle_deg)),
         sun_at_mm=(softness * x, softness * y),
+        tilts_rad=slopes if slopes.any() else None,
     )
 
 
@@ -283,8 +292,11 @@ def _weight(stage: Stage) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _supports(stage: Stage) -> StageSupports:
-    stiffness = stage.sun_stiffness_N_per_um
+def _supports(scene: Scene, stage: Stage, pairing: StagePairing) -> StageSupports:
+    stiffness, carrier = stage.sun_stiffness_N_per_um, None
+    if stage.carrier is not None:
+        places = pairing.angles_rad, pairing.center_distance_mm
+        carrier = carrier_compliance(stage.carrier, *places, scene.folder)
     return StageSupports(
         floating=stage.floating,
         ring_free=stage.ring_support == "free",
@@ -296,6 +308,7 @@ def _supports(stage: Stage) -> StageSupports:
             stage.tilt_Nmm_per_rad("pin"),
             stage.tilt_Nmm_per_rad("ring"),
         ),
+        carrier=carrier,
     )
 
 

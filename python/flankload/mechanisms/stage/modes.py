@@ -18,6 +18,7 @@ from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from flankload.pairing.expansion import DENSITY_KG_M3
+from flankload.scene.axial import three_dimensional_key
 from flankload.scene.materials import MATERIALS
 
 if TYPE_CHECKING:
@@ -58,7 +59,14 @@ def stage_modes(scene: Scene) -> tuple[StageModes, ...]:
 
 
 def _check(scene: Scene, stage: Stage) -> None:
-    """Refuse a torque 0, at which no flank is in contact, and a carrier without mass."""
+    """Refuse a width, a torque 0, at which no flank is in contact, a carrier without mass."""
+    if (key := three_dimensional_key(scene)) is not None:
+        raise SceneError(
+            file=scene.file,
+            key=key.removesuffix(" = 3"),
+            expected="nothing for modes: this version has those of plane stages",
+            found="a value",
+        )
     if not all(scene.load.torques_Nm):
         raise SceneError(
             file=scene.file,
