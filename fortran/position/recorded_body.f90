@@ -8,12 +8,12 @@ module flankload_recorded_body
     use flankload_compliance_field, only: compliance_type
     use flankload_mesh, only: body_type, grid_settings, height_type, mesh_type
     use flankload_body_record, only: are_valid, body_mark, carrier_block, counts_in, counts_type, &
-        & height_values, is_record, last_part, mesh_mark, part_along, part_axial, part_block, part_breaks, &
-        & part_coefficients, part_corners, part_deviations, part_friction, part_height, part_jump, &
-        & part_kernel, part_members, part_mesh, part_mode_range, part_nodes, part_sections, &
-        & part_shaft, part_shift, part_sides, part_site_angles, part_slices, part_smooth, &
-        & part_support, part_carrier, part_tangential, part_tilt, part_tip, part_turned, &
-        & part_wedge, part_wedge_along, place_in, shape_in
+        & height_values, is_record, last_part, mesh_mark, part_along, part_axial, part_block, &
+        & part_breaks, part_coefficients, part_corners, part_deviations, part_friction, &
+        & part_height, part_jump, part_kernel, part_members, part_mesh, part_mode_range, &
+        & part_nodes, part_sections, part_shaft, part_shift, part_sides, part_site_angles, &
+        & part_slices, part_smooth, part_support, part_carrier, part_tangential, part_tilt, &
+        & part_tip, part_turned, part_wedge, part_wedge_along, place_in, shape_in
     implicit none
     private
 

@@ -109,7 +109,8 @@ def test_the_stiffness_is_that_of_the_stage(floating, changes):
     [found] = sweep_stage(contact, at, scene.torques_Nmm)
     for p, stiffness in enumerate(contact_stiffness(contact, found, at)):
         total = stiffness.copy()
-        for j, pin in enumerate(contact.springs[1:-1, :2, :2]):
+        for j in range(contact.count):
+            pin = contact.springs[1 + j, :2, 1 + j, :2]
             own = slice(3 + 3 * j, 5 + 3 * j)
             total[own, own] += np.linalg.inv(pin)
         free = [*([0, 1] if floating == "sun" else []), *range(2, 15)]
