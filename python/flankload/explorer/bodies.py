@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,7 +35,7 @@ ALPHA = 0.45
 #: Points of the circle of a bore.
 CIRCLE = 120
 #: Facets of a tooth along its contour and along z, positions at which the window must hold it.
-FACETS, HELD = (24, 5), 4
+FACETS, HELD = (16, 3), 4
 #: Width over height of the picture, and space between both bodies as part of their size.
 ASPECT, SPACE = 1.4, 0.05
 
@@ -72,26 +73,25 @@ def window_of(result: Result) -> Window:
 
 
 def bodies_of(result: Result, p: int, shown: Window) -> dict[str, Any]:
-    """Columns of the areas of both bodies and their loads at a position, from back to front."""
+    """Columns of the areas of all bodies and their loads at a position, from back to front."""
     parts = _teeth if is_drawn_over_width(result) else _section
-    areas = list(parts(result, p, shown))
+    outlines, fill, alpha, line = zip(*parts(result, p, shown), strict=True)
+    ends = np.cumsum([len(outline) for outline in outlines]).tolist()
+    x, y = np.vstack(outlines).round(3).T.tolist()
+    pieces = list(pairwise([0, *ends]))
     return {
-        "xs": [points[:, 0].round(3).tolist() for points, *_ in areas],
-        "ys": [points[:, 1].round(3).tolist() for points, *_ in areas],
-        "fill": [fill for _, fill, *_ in areas],
-        "alpha": [alpha for *_, alpha, _ in areas],
-        "line": [line for *_, line in areas],
-    }
+        "xs": [x[one:two] for one, two in pieces], "ys": [y[one:two] for one, two in pieces],
+        "fill": list(fill), "alpha": list(alpha), "line": list(line),
+    }  # fmt: skip
 
 
 def _section(result: Result, p: int, shown: Window) -> Iterator[tuple[Floats, str, float, str]]:
     """Points, colour, opacity and colour of the contour of each area in the transverse section."""
     size = float(np.ptp(shown.corners, axis=0).max())
+    around = directions(np.linspace(0, -2 * np.pi, CIRCLE))
     for body in drawn_bodies(result):
-        outline = thinned(body.outline, OFF * size)
-        contour = body.center_mm + all_around(outline, body.teeth, body.angle[p])
-        contour = np.vstack([contour, contour[:1]])
-        around = directions(np.linspace(0, -2 * np.pi, CIRCLE))
+        contour = all_around(thinned(body.outline, OFF * size), body.teeth, body.angle[p])
+        contour = body.center_mm + np.vstack([contour, contour[:1]])
         circle = body.center_mm + (body.hole_mm or 0.0) * around
         yield np.vstack([contour, circle]), BODIES[body.number - 1], ALPHA, "transparent"
         yield contour, "transparent", 0.0, INK
@@ -108,19 +108,14 @@ def _teeth(result: Result, p: int, shown: Window) -> Iterator[tuple[Floats, str,
         teeth = loaded_teeth(result, p, body, *FACETS)
         own, mate = BODIES[body - 1], BODIES[2 - body]
         yield teeth.far + shift, mate, ALPHA, INK
-        for facet, shade in zip(teeth.facets + shift, teeth.shade.tolist(), strict=True):
-            colour = _shaded(own, shade)
-            yield facet, colour, 1.0, colour
-        for band, load in zip(teeth.bands + shift, teeth.load_N_per_mm.tolist(), strict=True):
-            colour = Inferno256[min(int(256 * load / most), 255)]
-            yield band, colour, 1.0, colour
+        light = np.frombuffer(bytes.fromhex(own[1:]), dtype=np.uint8)
+        shades = (teeth.shade[:, None] * light).astype(np.uint8)
+        loads = (256 * teeth.load_N_per_mm / most).astype(int).clip(max=255).tolist()
+        colours = [f"#{shade.tobytes().hex()}" for shade in shades]
+        colours += [Inferno256[load] for load in loads]
+        areas = np.concatenate([teeth.facets, teeth.bands]) + shift
+        yield from ((*area, 1.0, area[1]) for area in zip(areas, colours, strict=True))
         yield teeth.face + shift, own, 1.0, INK
-
-
-def _shaded(colour: str, shade: float) -> str:
-    """A darker colour."""
-    parts = (int(shade * int(colour[k : k + 2], 16)) for k in (1, 3, 5))
-    return "#" + "".join(f"{part:02x}" for part in parts)
 
 
 def position_at(result: Result, part: float) -> int:

@@ -28,7 +28,7 @@ ORDERS = 5
 def curves_of(result: Result) -> dict[str, Columns]:
     """Columns of the curves and bars of a result, by name of the picture.
 
-    `x` and `y`; the pressure also `corner`, its values on sharp corners, which mean nothing.
+    `x`, `y` and `corner`: the pressure on sharp corners, which means nothing.
     """
     known = result.engagement.pictures(result)
     found: dict[str, Columns] = {}
@@ -95,5 +95,5 @@ def _map(
 
 
 def _columns(pair: Any) -> Columns:
-    x, y = pair
-    return {"x": np.asarray(x, dtype=float), "y": np.asarray(y, dtype=float)}
+    x, y = (np.asarray(part, dtype=float) for part in pair)
+    return {"x": x, "y": y, "corner": np.full(x.size, np.nan)}

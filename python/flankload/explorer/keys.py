@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from math import floor, isfinite, log10
+from dataclasses import dataclass, replace
+from math import floor, inf, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
 from msgspec import inspect
 
 from flankload.base.number_text import number_of
 from flankload.errors import SceneError
+from flankload.plot.study_table import unit_of, words
 from flankload.scene.effects import effects_of
 from flankload.scene.form import types_of
 from flankload.scene.refusal import refuse, shown
@@ -20,10 +21,10 @@ from flankload.scene.usual import TABLES, Usual, usual_ranges
 if TYPE_CHECKING:
     from flankload.scene import Scene
 
+    Number = inspect.IntType | inspect.FloatType
+
 #: Tables whose keys are the drive and its load; the others set the discretization.
 OF_DRIVE = tuple(name for name in TABLES if name not in ("positions", "accuracy"))
-#: Those whose keys belong to no single body.
-OF_BOTH = ("pair", "stage", "load", "effects")
 #: Units of quantities that a designer adjusts about 0: modifications, deviations, loads.
 ADJUSTED = ("um", "um/mm", "mrad", "N m", "N")
 #: Keys with these units that nearly every design of a kind has, if the kind has the key.
@@ -72,12 +73,9 @@ class Key:
 
     @property
     def name(self) -> str:
-        """The key in words, without its unit."""
-        table, _, key = self.path.rpartition(".")
-        suffix = self.unit.replace("/", "_per_").replace(" ", "").replace("-", "")
-        key = key.split("[", maxsplit=1)[0].removesuffix(f"_{suffix}").replace("_", " ")
-        body = table.partition(".")[0]
-        return key if body in OF_BOTH else f"{key}, {body.replace('_', ' ')}"
+        """The key in words, with its unit."""
+        path = self.path.partition("[")[0]
+        return f"{words(path)}, {unit_of(path)}".rstrip(", ")
 
     def number(self, value: float) -> float | int:
         """A value of a slider without the roundoff of its steps."""
@@ -86,74 +84,75 @@ class Key:
 
 def keys_of(scene: Scene) -> dict[str, Key]:
     """All numeric keys of the tables of a scene that describe the drive, by path."""
+    given = scene.to_dict()
+    names = [name for name in OF_DRIVE if not (name == "pair" and scene.is_drive)]
     return {
         key.path: key
-        for name in OF_DRIVE
+        for name in names
         if isinstance(table := getattr(scene, name), Table)
-        and not (name == "pair" and scene.is_drive)
-        for key in _keys_in(table, name, scene)
+        for key in _keys_in(table, name, given.get(name, {}), scene.pair)
     }
 
 
-def _keys_in(table: Table, path: str, scene: Scene) -> Iterator[Key]:
+def _keys_in(table: Table, path: str, given: Mapping[str, Any], pair: Any) -> Iterator[Key]:
     """Numeric keys of a table and of the tables in it."""
     usual = usual_ranges(type(table))
     for name, form in types_of(type(table)).items():
         value, place = getattr(table, name), f"{path}.{name}"
-        if isinstance(value, Table):
-            yield from _keys_in(value, place, scene)
-            continue
         number = _number_type(form)
-        if number is None or isinstance(value, str | bool):
+        if isinstance(value, Table):
+            yield from _keys_in(value, place, given.get(name, {}), pair)
+        if number is None or isinstance(value, str | bool | Table):
             continue
         if isinstance(value, tuple):  # torques: the slider changes the largest one
             if path != "load":
                 continue
-            place = f"{place}[{value.index(max(value))}]"
-            value = max(value)
+            place, value = f"{place}[{value.index(max(value))}]", max(value)
         extra = (form.extra_json_schema or {}) if isinstance(form, inspect.Metadata) else {}
         unit, meaning = str(extra.get("unit", "")), str(extra.get("description", ""))
-        length = None
         if (known := usual.get(name)) and known.per is not None:
-            length = getattr(table, known.per[0], None) or getattr(scene.pair, known.per[0], None)
-            known = known.at(length)
+            length = known.per[0]
+            known = known.at(getattr(table, length, None) or getattr(pair, length, None))
         low, high, step = _range(value or 0.0, unit, number, known)
-        whole = isinstance(number, inspect.IntType)
-        absent = value is None or (value == 0 and place not in _paths(scene.to_dict()))
+        whole, absent = isinstance(number, inspect.IntType), not value and name not in given
         yield Key(place, unit, meaning, value or 0, low, high, step, whole, absent)
 
 
-def _number_type(form: inspect.Type) -> inspect.IntType | inspect.FloatType | None:
+def _number_type(form: inspect.Type) -> Number | None:
     """The type of a number among those of a key, with its limits."""
     while isinstance(form, inspect.Metadata):
         form = form.type
-    members = form.types if isinstance(form, inspect.UnionType) else (form,)
-    bare = [part.type if isinstance(part, inspect.Metadata) else part for part in members]
-    found = [part for part in bare if isinstance(part, inspect.IntType | inspect.FloatType)]
-    return found[0] if found else None
+    for part in form.types if isinstance(form, inspect.UnionType) else (form,):
+        bare = part.type if isinstance(part, inspect.Metadata) else part
+        if isinstance(bare, inspect.IntType | inspect.FloatType):
+            return bare
+    return None
 
 
 def _range(
-    value: float, unit: str, number: inspect.IntType | inspect.FloatType, usual: Usual | None
+    value: float, unit: str, number: Number, usual: Usual | None
 ) -> tuple[float, float, float]:
-    """Range and step of a slider: both within the limits of the key."""
-    limits = [number.ge if number.ge is not None else number.gt,
-              number.le if number.le is not None else number.lt]  # fmt: skip
+    """Range and step of a slider, within the limits of the key."""
+    least = next((float(end) for end in (number.ge, number.gt) if end is not None), -inf)
+    most = next((float(end) for end in (number.le, number.lt) if end is not None), inf)
     if unit in ADJUSTED or value == 0:
         # a key without another scale has the half of its largest usual value
-        scale = 2.0 * abs(value) or (0.5 * usual.high if usual and usual.per else 10.0)
-        low, high = -scale, scale
-        if unit in ("N m", "N"):
-            low = 0.0
+        high = 2.0 * abs(value) or (0.5 * usual.high if usual and usual.per else 10.0)
+        low = 0.0 if unit in ("N m", "N") else -high
     else:
         low, high = value - AROUND * abs(value), value + AROUND * abs(value)
-    step = 10.0 ** floor(log10((high - low) / STEPS))
-    if isinstance(number, inspect.IntType):
-        step, low, high = 1.0, min(low, value - 2), max(high, value + 2)
-    low, high = (step * round(end / step) for end in (low, high))
-    low = low if limits[0] is None else max(low, limits[0])
-    high = high if limits[1] is None else min(high, limits[1])
-    return float(f"{low:.12g}"), float(f"{high:.12g}"), step
+    whole = isinstance(number, inspect.IntType)
+    if whole:
+        low, high = min(low, value - 2), max(high, value + 2)
+    if low >= most or high <= least:  # 0 is no value of the key
+        low, high = least, min(most, least + 10.0)
+    step = _step(max(low, least), min(high, most), whole=whole)
+    low, high = (float(f"{step * round(end / step):.12g}") for end in (low, high))
+    return max(low, least), min(high, most), step
+
+
+def _step(low: float, high: float, *, whole: bool) -> float:
+    return 1.0 if whole or low >= high else float(10.0 ** floor(log10((high - low) / STEPS)))
 
 
 def shown_keys(scene: Scene, keys: Mapping[str, Key], vary: Sequence[str]) -> tuple[Key, ...]:
@@ -163,28 +162,24 @@ def shown_keys(scene: Scene, keys: Mapping[str, Key], vary: Sequence[str]) -> tu
     """
     if vary:
         return tuple(dict.fromkeys(_asked(keys, text) for text in vary))
-    is_spatial = effects_of(scene).three_dimensions
     adjusted = [key for key in keys.values() if key.unit in ADJUSTED and key.low < key.high]
-    found = [key for key in adjusted if not key.absent]
-    for key in adjusted:
-        if key.absent and key.path.rpartition(".")[2] in COMMON:
-            tried = with_values(scene, keys, {key.path: key.number(key.high)})
-            if tried is not None and effects_of(tried).three_dimensions == is_spatial:
-                found.append(key)
-    for key in keys.values():
-        if len(found) < ENOUGH and not key.absent and key not in found:
-            found.append(key)
+    found = [key for key in adjusted if not key.absent or _is_common(scene, keys, key)]
+    more = (key for key in keys.values() if not key.absent and key not in found)
+    found += [key for _, key in zip(range(ENOUGH - len(found)), more, strict=False)]
     order = list(keys.values())
     found.sort(key=lambda key: (not key.path.startswith("load."), order.index(key)))
     return tuple(found[:MOST])
 
 
-def with_values(scene: Scene, keys: Mapping[str, Key], values: Mapping[str, float]) -> Scene | None:
-    """The scene with other values of keys; None if it is impossible."""
+def _is_common(scene: Scene, keys: Mapping[str, Key], key: Key) -> bool:
+    """Whether nearly every design has a key, with which the scene is solved as without it."""
+    if key.path.rpartition(".")[2] not in COMMON:
+        return False
     try:
-        return scene.replace(changes_of(keys, values))
+        tried = scene.replace(changes_of(keys, {key.path: key.number(key.high)}))
     except SceneError:
-        return None
+        return False
+    return effects_of(tried).three_dimensions == effects_of(scene).three_dimensions
 
 
 def changes_of(keys: Mapping[str, Key], values: Mapping[str, Any]) -> dict[str, Any]:
@@ -223,14 +218,4 @@ def _asked(keys: Mapping[str, Key], text: str) -> Key:
         low = high = 0.0
     if not (isfinite(low) and isfinite(high) and low < high):
         refuse(f"vary.{path}", "two ascending numbers, LOW:HIGH", shown(ends))
-    step = 1.0 if key.whole else 10.0 ** floor(log10((high - low) / STEPS))
-    return Key(**{**key.__dict__, "low": low, "high": high, "step": step})
-
-
-def _paths(tree: Mapping[str, Any], before: str = "") -> set[str]:
-    """Dotted paths of all keys in a dictionary of tables."""
-    found: set[str] = set()
-    for name, value in tree.items():
-        inner = isinstance(value, Mapping)
-        found |= _paths(value, f"{before}{name}.") if inner else {f"{before}{name}"}
-    return found
+    return replace(key, low=low, high=high, step=_step(low, high, whole=key.whole))

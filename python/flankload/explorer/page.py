@@ -20,9 +20,8 @@ from bokeh.models.widgets.markups import Div
 from bokeh.models.widgets.sliders import Slider
 
 from flankload.explorer import tables
-from flankload.explorer.bodies import Window, position_at, window_of
 from flankload.explorer.curves import curves_of, maps_of
-from flankload.explorer.pictures import Bodies, Trail, pictures
+from flankload.explorer.pictures import PICTURES, Bodies, Picture, Trail
 from flankload.mechanisms.stage_clock import ELEMENTS
 
 if TYPE_CHECKING:
@@ -69,7 +68,7 @@ fetch("scene.toml", {cache: "no-store"}).then(answer => answer.text()).then(text
 
 
 class Page:
-    """One page in a browser; all methods run in the thread of the server, those with `soon` in any.
+    """One page in a browser; all methods run in the thread of the server, but for `take_soon`.
 
     Parameters
     ----------
@@ -79,7 +78,8 @@ class Page:
 
     def __init__(self, explorer: Explorer, document: Document) -> None:
         self._explorer, self._document = explorer, document
-        self._sheet = InlineStyleSheet(css=_text("widgets.css"))
+        self._look: dict[str, Any] = {"stylesheets": [InlineStyleSheet(css=_text("widgets.css"))]}
+        self._wide = {**self._look, "sizing_mode": "stretch_width"}
         self._values: dict[str, float] = {}
         self._inputs: dict[str, tuple[Slider, Spinner, Div]] = {}
         self._setting = self._open = True
@@ -87,26 +87,26 @@ class Page:
         self._waiting: Answer | None = None
         self._shown: Answer | None = None
         self._pinned: Answer | None = None
-        self._window: Window | None = None
         self._derived: Answer | None = None
         self._changes, self._texts = dict[str, dict[str, Any]](), {"progress": "elements …"}
-        self._pictures = pictures(self._change)
-        self._bodies, self._trail = Bodies(self._change), Trail(self._change, self._go)
+        self._pictures = {name: Picture(name, self._change) for name in PICTURES}
+        self._bodies, self._trail = Bodies(self._change), Trail(self._change, explorer.ask)
         self._message, painted = ColumnDataSource(), ColumnDataSource({"number": [0]})
         receive = CustomJS(args={"sent": self._message, "painted": painted}, code=RECEIVE)
         self._message.js_on_change("data", receive)
         document.js_on_event("document_ready", receive)
         painted.on_change("data", self._on_painted)
-        document.add_root(self._named("keys", column(
-            *(self._key(key) for key in explorer.shown), self._more(), sizing_mode="stretch_width",
-        )))  # fmt: skip
-        buttons = self._named("buttons", self._buttons())
-        buttons.tags = [self._message, painted]  # parts of the document
-        document.add_root(buttons)
-        for name, picture in self._pictures.items():
-            document.add_root(self._named(name, picture.figure))
-        document.add_root(self._named("bodies", self._turning()))
-        document.add_root(self._named("trail", self._trail_column()))
+        roots = {
+            "keys": _column(*(self._key(key) for key in explorer.shown), self._more()),
+            "buttons": self._buttons(),
+            **{name: picture.figure for name, picture in self._pictures.items()},
+            "bodies": _column(self._bodies.figure, self._turning()),
+            "trail": _column(self._trail.figure, self._choice()),
+        }
+        for name, root in roots.items():
+            root.name = name
+            document.add_root(root)
+        roots["buttons"].tags = [self._message, painted]  # parts of the document
         document.template = _text("page.html")
         document.template_variables.update(
             name=explorer.scene.name, style=_text("style.css"), pictures=list(self._pictures)
@@ -114,7 +114,7 @@ class Page:
         document.title = f"{explorer.scene.name} · flankload"
         document.on_session_destroyed(self._left)
         self._setting = False
-        self.mark()
+        self._mark()
 
     # --- answers ----------------------------------------------------------------------------------
     def take_soon(self, answer: Answer) -> None:
@@ -124,7 +124,9 @@ class Page:
     def progress(self, stage: str, done: int, total: int) -> None:
         """Show the progress of long work, from another thread."""
         if stage.startswith(ELEMENTS) or stage in ("optimise", "plan"):
-            self._soon(partial(self._show_progress, stage, done, total))
+            words = "elements" if stage.startswith(ELEMENTS) else stage
+            text = f"{escape(words)}: {100 * done // max(total, 1)} %"
+            self._soon(partial(self._send, progress=text))
 
     def take(self, answer: Answer) -> None:
         """Show an answer, unless a newer one is shown; later if the page is still painting."""
@@ -134,14 +136,14 @@ class Page:
         self._newest = number
         if answer.result is None and not answer.error:
             self._derived = answer
-            self.mark()
+            self._mark()
         elif self._painted_number < self._sent:
             self._waiting = answer
         else:
             self._show(answer)
 
-    def mark(self) -> None:
-        """Mark the keys that reach the elements: their sliders act when they are released."""
+    def _mark(self) -> None:
+        """Show which keys reach the elements, and by how much each one changes the figure."""
         derived = self._derived
         current = derived is not None and derived.request.number >= self._newest
         found = derived.sensitivity if derived is not None and current else None
@@ -178,36 +180,22 @@ class Page:
         self._shown = answer
         if answer.request.source is not self:
             self._set_values(answer)
-        if answer.at_rest and answer.result is not None and self._pinned is None:
-            self._pin()
-        self._draw(answer.result)
         if answer.at_rest and answer.result is not None:
+            self._offer(answer.result)
             self._trail.show(self._explorer.trail, self._select.value, self._against.value)
-        self._send(status=tables.status(answer), progress="", figures=self._figures())
+            if self._pinned is None:
+                self._pin()
+        self._draw(answer, status=tables.status(answer), progress="")
 
-    def _draw(self, result: Result | None) -> None:
-        """Pictures and figures of a result; nothing of an older one remains."""
+    def _draw(self, answer: Answer, **texts: str) -> None:
+        """Pictures and figures of an answer; nothing of an older one remains."""
+        result = answer.result
         columns = {} if result is None else {**curves_of(result), **maps_of(result)}
         for name, picture in self._pictures.items():
             picture.show(columns.get(name), result)
-        if result is not None:
-            assert self._shown is not None
-            if self._shown.at_rest or self._window is None:
-                self._window = window_of(result)
-            self._offer(result)
-        self._draw_bodies()
-
-    def _figures(self) -> str:
-        """The table of the key figures."""
-        result = self._shown.result if self._shown else None
-        return tables.figures(result, self._pinned.result if self._pinned else None)
-
-    def _draw_bodies(self) -> None:
-        result = self._shown.result if self._shown else None
-        if result is None or self._window is None:
-            self._bodies.clear()
-            return
-        self._bodies.show(result, position_at(result, self._place.value / PLACES), self._window)
+        self._bodies.show(result, self._place.value / PLACES, moves=not answer.at_rest)
+        pinned = self._pinned.result if self._pinned else None
+        self._send(figures=tables.figures(result, pinned), **texts)
 
     def _offer(self, result: Result) -> None:
         """Figures that the result has, to choose from."""
@@ -228,93 +216,71 @@ class Page:
             slider.value = spinner.value = value
         self._setting = False
 
-    def _show_progress(self, stage: str, done: int, total: int) -> None:
-        words = "elements" if stage.startswith(ELEMENTS) else stage
-        self._send(progress=f"{escape(words)}: {100 * done // max(total, 1)} %")
-
     # --- widgets ----------------------------------------------------------------------------------
     def _key(self, key: Key) -> Any:
         """Slider, typed value and reset of a key, below its name."""
-        styles = [self._sheet]
-        name = Div(stylesheets=styles, sizing_mode="stretch_width")
-        slider = Slider(
-            start=key.low, end=key.high, step=key.step, value=key.value, show_value=False,
-            title=None, stylesheets=styles, sizing_mode="stretch_width", tooltips=False,
-            margin=HANDLE,
-        )  # fmt: skip
-        spinner = Spinner(value=key.value, step=key.step, width=90, stylesheets=styles)
-        reset = Button(label="↺", width=32, stylesheets=styles)
+        name = Div(**self._wide)
+        slider = self._slider(key.low, key.high, key.step, key.value)
+        spinner = Spinner(value=key.value, step=key.step, width=90, **self._look)
+        reset = Button(label="↺", width=32, **self._look)
         for one, other in ((slider, spinner), (spinner, slider)):
             code = "if (this.value != null) other.value = this.value"
             one.js_on_change("value", CustomJS(args={"other": other}, code=code))
+            one.on_change("value_throttled", partial(self._on_value, key.path, released=True))
         self._inputs[key.path] = (slider, spinner, name)
-        spinner.on_change("value", partial(self._on_value, key.path))
-        for one in (slider, spinner):
-            one.on_change("value_throttled", partial(self._on_release, key.path))
+        spinner.on_change("value", partial(self._on_value, key.path, released=False))
         reset.on_click(partial(self._reset, key.path))
-        inputs = row(slider, spinner, reset, sizing_mode="stretch_width")
-        return column(name, inputs, sizing_mode="stretch_width")
+        return _column(name, _row(slider, spinner, reset))
+
+    def _slider(self, low: float, high: float, step: float, value: float) -> Slider:
+        return Slider(start=low, end=high, step=step, value=value, show_value=False, title=None,
+                      tooltips=False, margin=HANDLE, **self._wide)  # fmt: skip
 
     def _more(self) -> Select:
         """A key that has no slider yet."""
         others: list[Any] = [("", "another key …")]
-        others += [(path, f"{key.name}, {key.unit}") for path, key in self._explorer.keys.items()]
-        more = Select(options=others, stylesheets=[self._sheet], sizing_mode="stretch_width")
+        others += [(path, key.name) for path, key in self._explorer.keys.items()]
+        more = Select(options=others, **self._wide)
         more.on_change("value", self._on_more)
         return more
 
     def _buttons(self) -> Any:
-        made = {}
-        for label, action in (
-            ("pin", self._pin_shown), ("undo", self._explorer.undo), ("optimise", self._optimise),
-            ("copy scene", None), ("report", None), ("close", self._explorer.close_soon),
-        ):  # fmt: skip
-            made[label] = Button(label=label, name=label, stylesheets=[self._sheet])
-            if action is not None:
-                made[label].on_click(action)
-        made["copy scene"].js_on_click(CustomJS(code=COPY))
-        made["report"].js_on_click(CustomJS(code='window.open("report")'))
-        return row(*made.values(), styles={"flex-wrap": "wrap"})
+        actions = {
+            "pin": self._on_pin, "undo": self._explorer.undo, "optimise": self._on_optimise,
+            "copy scene": CustomJS(code=COPY), "report": CustomJS(code='window.open("report")'),
+            "close": self._explorer.close_soon,
+        }  # fmt: skip
+        made = [Button(label=label, name=label, **self._look) for label in actions]
+        for button, action in zip(made, actions.values(), strict=True):
+            listen = button.js_on_click if isinstance(action, CustomJS) else button.on_click
+            listen(action)
+        return row(*made, styles={"flex-wrap": "wrap"})
 
     def _turning(self) -> Any:
-        """The bodies with the slider of their position."""
-        self._place = Slider(start=0, end=PLACES - 1, value=0, step=1, title=None, show_value=False,
-                             tooltips=False, margin=HANDLE, stylesheets=[self._sheet],
-                             name="position", sizing_mode="stretch_width")  # fmt: skip
+        """The slider of the position of the bodies."""
+        self._place = self._slider(0, PLACES - 1, 1, 0)
         self._place.on_change("value", self._on_place)
-        play = Toggle(label="▶", width=40, stylesheets=[self._sheet], name="play")
+        play = Toggle(label="▶", width=40, **self._look)
         play.on_change("active", self._on_play)
-        line = row(play, self._place, sizing_mode="stretch_width")
-        return column(self._bodies.figure, line, sizing_mode="stretch_width")
+        return _row(play, self._place)
 
-    def _trail_column(self) -> Any:
-        options: dict[str, Any] = {
-            "stylesheets": [self._sheet],
-            "sizing_mode": "stretch_width",
-        }
-        self._select = Select(title="figure", name="figure", **options)
-        self._against = Select(title="and", name="against", **options)
+    def _choice(self) -> Any:
+        """The choice of two figures."""
+        self._select, self._against = (Select(title=one, **self._wide) for one in ("figure", "and"))
         for select in (self._select, self._against):
             select.on_change("value", self._on_figure)
-        line = row(self._select, self._against, sizing_mode="stretch_width")
-        return column(self._trail.figure, line, sizing_mode="stretch_width")
+        return _row(self._select, self._against)
 
     # --- events -----------------------------------------------------------------------------------
-    def _on_value(self, path: str, attr: str, old: Any, new: Any) -> None:
-        if path not in self._explorer.reaching:
-            self._ask(path, new, moves=True)
-
-    def _on_release(self, path: str, attr: str, old: Any, new: Any) -> None:
-        if path in self._explorer.reaching:
-            self._ask(path, new, moves=False)
-
-    def _ask(self, path: str, value: Any, *, moves: bool) -> None:
-        if self._setting or value is None or isinstance(value, str):
+    def _on_value(self, path: str, attr: str, old: Any, new: Any, *, released: bool) -> None:
+        """A value of a key; those that reach the elements act when they are released."""
+        reaching = path in self._explorer.reaching
+        if self._setting or released != reaching or not isinstance(new, int | float):
             return
-        number = self._explorer.keys[path].number(value) if value == value else value
+        number = self._explorer.keys[path].number(new) if new == new else new
         if self._values.get(path, self._explorer.keys[path].value) != number:
             self._values[path] = number
-            self._explorer.ask(self._values, moves=moves, source=self)
+            self._explorer.ask(self._values, moves=not released, source=self)
 
     def _reset(self, path: str) -> None:
         self._values.pop(path, None)
@@ -325,15 +291,16 @@ class Page:
             keys = self._document.get_model_by_name("keys")
             assert keys is not None
             keys.children.insert(-1, self._key(self._explorer.keys[new]))
-            self.mark()
+            self._mark()
 
-    def _on_place(self, attr: str, old: Any, new: Any) -> None:
-        self._draw_bodies()
-        self._send()
+    def _on_place(self, attr: str, old: Any, new: int) -> None:
+        if self._shown is not None:
+            self._bodies.show(self._shown.result, new / PLACES, moves=True)
+            self._send()
 
     def _on_figure(self, attr: str, old: Any, new: str) -> None:
         self._trail.show(self._explorer.trail, self._select.value, self._against.value)
-        self.mark()
+        self._mark()
 
     def _on_play(self, attr: str, old: Any, new: bool) -> None:
         if new:
@@ -344,11 +311,10 @@ class Page:
     def _next_place(self) -> None:
         self._place.value = (self._place.value + 1) % PLACES
 
-    def _pin_shown(self) -> None:
+    def _on_pin(self) -> None:
         if self._shown is not None and self._shown.result is not None:
             self._pin()
-            self._draw(self._shown.result)
-            self._send(figures=self._figures())
+            self._draw(self._shown)
 
     def _pin(self) -> None:
         """Keep the curves that are shown behind those to come."""
@@ -358,19 +324,14 @@ class Page:
         for name, columns in curves_of(self._shown.result).items():
             self._pictures[name].pin(columns)
 
-    def _optimise(self) -> None:
-        if not self._select.value:
-            return
-        self._explorer.optimise(self._select.value).add_done_callback(self._optimised)
+    def _on_optimise(self) -> None:
+        if self._select.value:
+            self._explorer.optimise(self._select.value).add_done_callback(self._optimised)
 
     def _optimised(self, future: Any) -> None:
         if not future.cancelled() and (error := future.exception()) is not None:
             line = f'<span class="line">{escape(f"optimise: {error}")}</span>'
             self._soon(partial(self._send, progress=line))
-
-    def _go(self, values: dict[str, float]) -> None:
-        """Go to a design of the trail."""
-        self._explorer.ask(values)
 
     def _left(self, session: Any) -> None:
         self._open = False
@@ -381,9 +342,13 @@ class Page:
             with suppress(AttributeError):  # of a document that is destroyed, before `_left`
                 self._document.add_next_tick_callback(call)
 
-    def _named(self, name: str, model: Any) -> Any:
-        model.name = name
-        return model
+
+def _column(*children: Any) -> Any:
+    return column(*children, sizing_mode="stretch_width")
+
+
+def _row(*children: Any) -> Any:
+    return row(*children, sizing_mode="stretch_width")
 
 
 def _text(name: str) -> str:

@@ -18,13 +18,13 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from flankload.explorer.bodies import INK, bodies_of, words_of
-from flankload.explorer.tables import FIGURES, number_of
+from flankload.explorer.bodies import INK, bodies_of, position_at, window_of, words_of
+from flankload.explorer.tables import label_of, number_of
+from flankload.plot.study_table import pareto_front
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
-    from flankload.base.arrays import Floats
     from flankload.explorer.bodies import Window
     from flankload.explorer.worker import Answer
     from flankload.result import Result
@@ -62,8 +62,8 @@ y_range.setv({start: (y - h) / 2, end: (y + h) / 2});
 BARS, MAPS = ("sites", "spectrum"), ("pattern", "line_load")
 #: Pictures over the angle of the position, where pairs do not advance.
 OVER_POSITIONS = ("error", "share", "pressure", "line_load")
-#: Space beside curves, as part of their range.
-MARGIN = 0.1
+#: Space beside curves, as part of their range; beside the middle of the outer bars.
+MARGIN, BESIDE = 0.1, 0.6
 #: Columns of a curve without points, of no areas, and of a map without values.
 NO_CURVE: Columns = {"x": [], "y": [], "corner": []}
 NO_AREAS: Columns = {"xs": [], "ys": [], "fill": [], "alpha": [], "line": []}
@@ -77,22 +77,19 @@ class Picture:
     """
 
     def __init__(self, name: str, send: Send) -> None:
+        self._name, self._send = name, send
         self._title, x, y = PICTURES[name]
-        self.figure = empty_figure(self._title, x, y, HEIGHT)
-        self.figure.x_range, self.figure.y_range = Range1d(0.0, 1.0), Range1d(0.0, 1.0)
-        self._is_map, self._is_bars, self._name = name in MAPS, name in BARS, name
-        self._send = send
-        self._has_zero = not self._is_map and name != "error"
-        self._empty = NO_MAP if self._is_map else NO_CURVE
-        self._behind = dict(self._empty)
+        self.figure = empty_figure(self._title, x, y, HEIGHT, x_range=Range1d(), y_range=Range1d())
+        self._empty = NO_MAP if name in MAPS else NO_CURVE
+        self._behind = self._empty
         self._now, self._pinned = (ColumnDataSource(dict(self._empty)) for _ in range(2))
-        if self._is_map:
+        if name in MAPS:
             self._colors = LinearColorMapper(palette="Inferno256", low=0.0, high=1.0,
                                              nan_color="rgba(0, 0, 0, 0)")  # fmt: skip
             self.figure.image("image", x="x", y="y", dw="dw", dh="dh", source=self._now,
                               color_mapper=self._colors)  # fmt: skip
             return
-        if self._is_bars:
+        if name in BARS:
             self.figure.vbar(x="x", top="y", width=0.8, source=self._pinned, color=PINNED,
                              fill_alpha=0.4, line_alpha=0.0)  # fmt: skip
             self.figure.vbar(x="x", top="y", width=0.45, source=self._now, color=NOW)
@@ -106,81 +103,75 @@ class Picture:
     def show(self, columns: Columns | None, result: Result | None) -> None:
         """Show columns of a result; nothing without columns, and no picture if it has none."""
         send = self._send
-        absent = ["absent"] * (columns is None and result is not None)
-        send(self.figure, css_classes=absent)
+        send(self.figure, css_classes=["absent"] * (columns is None and result is not None))
+        send(self._now, data=columns or dict(self._empty))
         if columns is None or result is None:
-            send(self._now, data=dict(self._empty))
             return
-        send(self._now, data=columns if self._is_map else _curve(columns))
-        if self._is_map:
-            high = float(np.nanmax(columns["image"][0], initial=1e-9))
-            send(self._colors, high=high)
-            send(self.figure.title, text=self._title.format(high))
-            ends = iter([(columns[at][0], columns[at][0] + columns[size][0])
-                         for at, size in (("x", "dw"), ("y", "dh"))])  # fmt: skip
-        else:
-            ends = self._ends(columns)
-        for axis, (low, high) in zip((self.figure.x_range, self.figure.y_range), ends, strict=True):
+        engagement, (x, y) = result.engagement, (self.figure.x_range, self.figure.y_range)
+        words: Any = engagement.words_for_sites[0]
+        if self._name in MAPS:
+            words = float(np.nanmax(columns["image"][0], initial=1e-9))
+            send(self._colors, high=words)
+        send(self.figure.title, text=self._title.format(words))
+        for axis, name in ((x, "x"), (y, "y")):
+            low, high = self._ends(columns, name)
             send(axis, start=low, end=high, reset_start=low, reset_end=high)
-        engagement = result.engagement
         if self._name in OVER_POSITIONS and not engagement.pairs_advance:
             send(self.figure.xaxis[0], axis_label=f"{engagement.position_angle}, °")
-        if self._name == "sites":
-            send(self.figure.title, text=self._title.format(engagement.words_for_sites[0]))
 
-    def _ends(self, columns: Columns) -> Iterator[tuple[float, float]]:
-        """Ends of both axes around curves or bars; values on corners mean nothing."""
-        for name in ("x", "y"):
-            values = np.concatenate([columns[name], self._behind[name]])
-            values = values[np.isfinite(values)]
-            low, high = (values.min(), values.max()) if values.size else (0.0, 1.0)
-            if name == "x" and self._is_bars:
-                yield float(low - 0.6), float(high + 0.6)
-                continue
-            margin = MARGIN * (high - low) or 0.5 * abs(high) or 0.5
-            if name == "y" and self._has_zero:
-                low, margin = 0.0, MARGIN * high or 0.5
-                yield 0.0, float(high + margin)
-            else:
-                yield float(low - margin), float(high + margin)
+    def _ends(self, columns: Columns, name: str) -> tuple[float, float]:
+        """Ends of an axis around curves, bars or a map; values on corners mean nothing."""
+        if self._name in MAPS:
+            (low,), (size,) = columns[name], columns[f"d{'w' if name == 'x' else 'h'}"]
+            return low, low + size
+        values = np.concatenate([columns[name], self._behind[name]])
+        values = values[np.isfinite(values)]
+        low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
+        if name == "x" and self._name in BARS:
+            return low - BESIDE, high + BESIDE
+        if name == "y" and self._name != "error":
+            return 0.0, (1.0 + MARGIN) * high or 0.5
+        margin = MARGIN * (high - low) or 0.5 * abs(high) or 0.5
+        return low - margin, high + margin
 
     def pin(self, columns: Columns) -> None:
         """Keep columns behind those to come."""
-        if not self._is_map:
-            self._behind = _curve(columns)
-            self._send(self._pinned, data=self._behind)
+        if self._name not in MAPS:
+            self._behind = columns
+            self._send(self._pinned, data=columns)
 
 
 class Bodies:
-    """Both bodies at a position, with the loads on their flanks."""
+    """The bodies at a position, with the loads on their flanks."""
 
     def __init__(self, send: Send) -> None:
-        self.figure = empty_figure("Loaded bodies", "", "", TALL)
+        self.figure = empty_figure("", "", "", TALL, x_range=Range1d(), y_range=Range1d())
         self.figure.axis.visible, self.figure.grid.visible = False, False
         self.figure.min_border = self.figure.min_border_left = self.figure.min_border_bottom = 0
         self._areas = ColumnDataSource(dict(NO_AREAS))
         self.figure.patches("xs", "ys", source=self._areas, fill_color="fill", fill_alpha="alpha",
                             line_color="line", line_width=0.7)  # fmt: skip
-        self.figure.x_range, self.figure.y_range = Range1d(0.0, 1.0), Range1d(0.0, 1.0)
         undistorted = CustomJS(args={"figure": self.figure}, code=UNDISTORTED)
         for name in ("inner_width", "inner_height", "tags"):
             self.figure.js_on_change(name, undistorted)
-        self._shown: Window | None = None
+        self._window: Window | None = None
         self._send = send
 
-    def show(self, result: Result, p: int, shown: Window) -> None:
-        """Show a position; the picture moves only with its window."""
-        if self._shown is not shown:
-            self._shown = shown
-            (left, low), (right, high) = shown.corners.tolist()
-            self._send(self.figure, tags=[left, right, low, high])
-        self._send(self._areas, data=bodies_of(result, p, shown))
-        self._send(self.figure, css_classes=[])
-        self._send(self.figure.title, text=words_of(result, p))
+    def show(self, result: Result | None, part: float, *, moves: bool) -> None:
+        """Show the position at a part of their range; nothing without a result.
 
-    def clear(self) -> None:
-        """Show nothing."""
-        self._send(self._areas, data=dict(NO_AREAS))
+        While a key moves the window stays as it is.
+        """
+        if result is None:
+            self._send(self._areas, data=dict(NO_AREAS))
+            return
+        if self._window is None or not moves:
+            self._window = window_of(result)
+            (left, low), (right, high) = self._window.corners.tolist()
+            self._send(self.figure, tags=[left, right, low, high], css_classes=[])
+        p = position_at(result, part)
+        self._send(self._areas, data=bodies_of(result, p, self._window))
+        self._send(self.figure.title, text=words_of(result, p))
 
 
 class Trail:
@@ -205,24 +196,22 @@ class Trail:
 
     def show(self, trail: Sequence[Answer], y: str, x: str) -> None:
         """Show designs at rest; `x` and `y` are figures, which are better the smaller they are."""
-        known = []
-        for answer in trail:
-            assert answer.result is not None
-            at = (number_of(answer.result, x), number_of(answer.result, y))
-            if None not in at:
-                known.append((*at, dict(answer.request.values)))
-        points = np.array([place[:2] for place in known], dtype=float).reshape(-1, 2)
-        self._values = [values for *_, values in known]
-        best = pareto(points)
-        colours = [FRONT if k in best else PINNED for k in range(len(points))]
-        colours[-1:] = [NOW] * bool(colours)
-        columns = {"x": points[:, 0], "y": points[:, 1], "color": colours}
-        self._send(self._all, data=columns)
+        known = [
+            (at, dict(answer.request.values))
+            for answer in trail
+            if answer.result is not None
+            and None not in (at := (number_of(answer.result, x), number_of(answer.result, y)))
+        ]
+        points = np.array([at for at, _ in known], dtype=float).reshape(-1, 2)
+        self._values = [values for _, values in known]
+        best = pareto_front(points)
+        colors = np.where(np.isin(np.arange(len(points)), best), FRONT, PINNED).tolist()
+        colors[-1:] = [NOW] * bool(colors)
+        self._send(self._all, data={"x": points[:, 0], "y": points[:, 1], "color": colors})
         self._send(self._front, data={"x": points[best, 0], "y": points[best, 1]})
         self._send(self.figure, css_classes=[])
         for axis, name in ((self.figure.xaxis[0], x), (self.figure.yaxis[0], y)):
-            words, unit = FIGURES.get(name, ("", ""))
-            self._send(axis, axis_label=f"{words}, {unit}" if unit else words)
+            self._send(axis, axis_label=label_of(name))
 
     def _on_tap(self, attr: str, old: Any, new: list[int]) -> None:
         if new:
@@ -230,24 +219,10 @@ class Trail:
             self._go(self._values[new[0]])
 
 
-def pareto(points: Floats) -> list[int]:
-    """Indices of the points (n, 2) that no other one beats in both columns, by ascending x."""
-    found: list[int] = []
-    for k in np.lexsort((points[:, 1], points[:, 0])).tolist():
-        if not found or points[k, 1] < points[found[-1], 1]:
-            found.append(k)
-    return found
-
-
-def pictures(send: Send) -> dict[str, Picture]:
-    """All pictures by name; each is shown where a result has it."""
-    return {name: Picture(name, send) for name in PICTURES}
-
-
-def empty_figure(title: str, x: str, y: str, height: int) -> Any:
+def empty_figure(title: str, x: str, y: str, height: int, **ranges: Range1d) -> Any:
     """A figure without ground, legible in both modes."""
     made = figure(
-        title=title, x_axis_label=x, y_axis_label=y, height=height,
+        title=title, x_axis_label=x, y_axis_label=y, height=height, **ranges,
         sizing_mode="stretch_width", tools=[BoxZoomTool(), ResetTool(), SaveTool()],
         background_fill_alpha=0.0, border_fill_alpha=0.0,
         outline_line_color=None,  # Bokeh 3.9 strokes the last path of the drawing before with it
@@ -263,9 +238,3 @@ def empty_figure(title: str, x: str, y: str, height: int) -> Any:
                      major_tick_line_color=LINES, minor_tick_line_color=None,
                      axis_label_text_font_style="normal")  # fmt: skip
     return made
-
-
-def _curve(columns: Columns) -> Columns:
-    """Columns with the values on corners."""
-    corner = columns.get("corner")
-    return {**columns, "corner": np.full(len(columns["x"]), np.nan) if corner is None else corner}

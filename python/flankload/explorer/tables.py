@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.plot.study_table import unit_of, words
 from flankload.report.key_figures import key_rows, percent
 
 if TYPE_CHECKING:
@@ -18,21 +19,15 @@ if TYPE_CHECKING:
     from flankload.result import Result
     from flankload.studies.sensitivity import Sensitivity
 
-#: Figures to choose from: entries of `Result.summary` with their words and units.
-FIGURES = {
-    "transmission_error_peak_to_peak_um": ("transmission error, peak to peak", "µm"),
-    "transmission_error_mean_um": ("transmission error, mean", "µm"),
-    "peak_pressure_MPa": ("largest pressure", "MPa"),
-    "peak_line_load_N_per_mm": ("largest line load", "N/mm"),
-    "face_load_factor": ("face load factor", ""),
-    "load_share_max": ("largest share of the force", ""),
-    "contact_ratio_under_load": ("contact ratio under load", ""),
-    "stiffness_secant_mean_N_per_um": ("mesh stiffness, secant, mean", "N/µm"),
-}
-#: Figures that need several positions.
+#: Figures to choose from: entries of `Result.summary`.
+FIGURES = (
+    *("transmission_error_peak_to_peak_um", "transmission_error_mean_um", "peak_pressure_MPa"),
+    *("peak_line_load_N_per_mm", "face_load_factor", "load_share_max", "contact_ratio_under_load"),
+    "stiffness_secant_mean_N_per_um",
+)
+#: Figures that need several positions, and those that need a width of the contact.
 OF_SEVERAL = ("transmission_error_peak_to_peak_um", "contact_ratio_under_load")
-#: Units as on paper, by those of the schema.
-PRINTED = {"um": "µm", "um/mm": "µm/mm", "deg": "°", "-": "", "N m": "N m"}
+OF_WIDTH = ("peak_pressure_MPa", "peak_line_load_N_per_mm")
 #: Change of a key by which its importance is measured, as part of its slider.
 CHANGE = 0.1
 
@@ -43,14 +38,17 @@ def number_of(result: Result, figure: str) -> float | None:
     return value if isinstance(value, int | float) and isfinite(value) else None
 
 
+def label_of(figure: str) -> str:
+    """A figure in words, with its unit."""
+    return f"{words(figure)}, {unit_of(figure)}".rstrip(", ")
+
+
 def choices(result: Result) -> list[tuple[str, str]]:
     """Names and words of the figures that a result has."""
-    several = result.position_rad.size > 1
-    return [
-        (name, f"{words}, {unit}" if unit else words)
-        for name, (words, unit) in FIGURES.items()
-        if (several or name not in OF_SEVERAL) and number_of(result, name)
-    ]
+    absent = (*OF_SEVERAL * (result.position_rad.size == 1),
+              *OF_WIDTH * (not result.engagement.has_pressures))  # fmt: skip
+    known = (name for name in FIGURES if name not in absent and number_of(result, name))
+    return [(name, label_of(name)) for name in known]
 
 
 def status(answer: Answer) -> str:
@@ -77,36 +75,31 @@ def figures(result: Result | None, pinned: Result | None) -> str:
     """Table of the key figures, with their differences to those of the pinned design."""
     if result is None:
         return ""
-    rows = {row.name: row for row in key_rows([result])}
-    before = {} if pinned is None else {row.name: row for row in key_rows([pinned])}
+    rows, before = (
+        {} if one is None else {row.name: row for row in key_rows([one])}
+        for one in (result, pinned)
+    )
     lines = ["<tr><th></th><th></th><th>error</th><th>change</th></tr>"]
     for name in dict.fromkeys([*before, *rows]):
-        row = rows.get(name)
-        if row is None or row.cells[0] is None:
-            lines.append(f"<tr><td>{escape(name)}</td><td>…</td><td></td><td></td></tr>")
-            continue
-        cell = row.cells[0]
-        old = before[name].cells[0] if name in before else None
-        numbers = isinstance(cell.value, float) and old and isinstance(old.value, float)
-        change = ""
-        if numbers and old and old.value:
-            part = 100.0 * (float(cell.value) - float(old.value)) / abs(float(old.value))
-            change = f"{part:+.1f} %" if abs(part) >= 0.05 else "="
-        lines.append(
-            f"<tr><td>{escape(name)}</td><td>{escape(cell.text)} {escape(row.unit)}</td>"
-            f"<td>{percent(cell.error)}</td><td>{change}</td></tr>"
-        )
+        text, error, change = "…", "", ""
+        if name in rows and (cell := rows[name].cells[0]) is not None:
+            text, error = f"{cell.text} {rows[name].unit}", percent(cell.error)
+            old = before[name].cells[0] if name in before else None
+            if isinstance(cell.value, float) and old and isinstance(old.value, float) and old.value:
+                part = 100.0 * (cell.value - old.value) / abs(old.value)
+                change = f"{part:+.1f} %" if abs(part) >= 0.05 else "="
+        cells = "".join(f"<td>{escape(part)}</td>" for part in (name, text, error, change))
+        lines.append(f"<tr>{cells}</tr>")
     return f"<table>{''.join(lines)}</table>"
 
 
 def key_name(key: Key, effect: tuple[str, float], *, reaching: bool) -> str:
-    """Name and unit of a key; its meaning on hover; the change of a figure that it causes."""
-    unit = PRINTED.get(key.unit, key.unit)
+    """Name of a key; its meaning on hover; the change of a figure that it causes."""
     title = escape(f"{key.path}: {key.meaning}", quote=True)
-    words = f"{escape(key.name)}{f', {unit}' if unit else ''}{' · on release' if reaching else ''}"
     text, width = effect
     return (
-        f'<div class="name" title="{title}"><span>{words}</span>'
+        f'<div class="name" title="{title}">'
+        f"<span>{escape(key.name)}{' · on release' * reaching}</span>"
         f'<span class="small">{escape(text)}</span></div>'
         f'<div class="bar"><i style="width:{width:.0f}%"></i></div>'
     )
@@ -116,18 +109,16 @@ def effects(
     keys: Mapping[str, Key], figure: str, found: Sensitivity | None
 ) -> dict[str, tuple[str, float]]:
     """Change of a figure over a part of each slider in words, and its size, % of the largest."""
-    if found is None or figure not in FIGURES:
+    if found is None or not figure:
         return {}
-    slopes = found.derivative(figure)[:, -1]
     spans = {path: CHANGE * (keys[path].high - keys[path].low) for path in found.paths}
-    changes = {
-        path: float(slope) * spans[path] for path, slope in zip(found.paths, slopes, strict=True)
-    }
-    known = {path: change for path, change in changes.items() if isfinite(change)}
+    slopes = zip(found.paths, found.derivative(figure)[:, -1].tolist(), strict=True)
+    known = {path: slope * spans[path] for path, slope in slopes if isfinite(slope)}
     most = max(map(abs, known.values()), default=0.0) or 1.0
-    words = {}
-    for path, change in known.items():
-        unit = PRINTED.get(keys[path].unit, keys[path].unit)
-        text = f"{change:+.2g} {FIGURES[figure][1]} per {spans[path]:.3g} {unit}"
-        words[path] = (text, 100.0 * abs(change) / most)
-    return words
+    return {
+        path: (
+            f"{change:+.2g} {unit_of(figure)} per {spans[path]:.3g} {unit_of(path)}",
+            100.0 * abs(change) / most,
+        )
+        for path, change in known.items()
+    }
