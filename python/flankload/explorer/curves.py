@@ -42,6 +42,7 @@ def curves_of(result: Result) -> dict[str, Columns]:
         place, pressure = way_curve(result, result.peak_pressure_MPa)
         on_corner = way_curve(result, result.corner_contact.astype(float))[1] > 0
         pressure = lifted(pressure)
+        on_corner |= not (pressure[~on_corner] > 0).any()
         found["pressure"] = _columns((place, np.where(on_corner, np.nan, pressure)))
         found["pressure"]["corner"] = np.where(on_corner, pressure, np.nan)
     if "transmission_error_spectrum" in known:

@@ -79,7 +79,7 @@ class Picture:
     def __init__(self, name: str, send: Send) -> None:
         self._name, self._send = name, send
         self._title, x, y = PICTURES[name]
-        self.figure = empty_figure(self._title, x, y, HEIGHT, x_range=Range1d(), y_range=Range1d())
+        self.figure = empty_figure(self._title, x, y, HEIGHT)
         self._empty = NO_MAP if name in MAPS else NO_CURVE
         self._behind = self._empty
         self._now, self._pinned = (ColumnDataSource(dict(self._empty)) for _ in range(2))
@@ -120,11 +120,12 @@ class Picture:
             send(self.figure.xaxis[0], axis_label=f"{engagement.position_angle}, °")
 
     def _ends(self, columns: Columns, name: str) -> tuple[float, float]:
-        """Ends of an axis around curves, bars or a map; values on corners mean nothing."""
+        """Ends of an axis around curves, bars or a map; on corners if there are no other values."""
         if self._name in MAPS:
             (low,), (size,) = columns[name], columns[f"d{'w' if name == 'x' else 'h'}"]
             return low, low + size
-        values = np.concatenate([columns[name], self._behind[name]])
+        has_values = np.isfinite(columns[name]).any()
+        values = np.concatenate([columns[name if has_values else "corner"], self._behind[name]])
         values = values[np.isfinite(values)]
         low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
         if name == "x" and self._name in BARS:
@@ -145,7 +146,7 @@ class Bodies:
     """The bodies at a position, with the loads on their flanks."""
 
     def __init__(self, send: Send) -> None:
-        self.figure = empty_figure("", "", "", TALL, x_range=Range1d(), y_range=Range1d())
+        self.figure = empty_figure("Loaded bodies", "", "", TALL)
         self.figure.axis.visible, self.figure.grid.visible = False, False
         self.figure.min_border = self.figure.min_border_left = self.figure.min_border_bottom = 0
         self._areas = ColumnDataSource(dict(NO_AREAS))
@@ -185,7 +186,7 @@ class Trail:
     """
 
     def __init__(self, send: Send, go: Callable[[dict[str, float]], None]) -> None:
-        self.figure = empty_figure("Designs so far", "", "", TALL)
+        self.figure = empty_figure("Designs so far", "", "", TALL, fixed=False)
         self.figure.add_tools(TapTool())
         self._all = ColumnDataSource({"x": [], "y": [], "color": []})
         self._front = ColumnDataSource({"x": [], "y": []})
@@ -219,8 +220,9 @@ class Trail:
             self._go(self._values[new[0]])
 
 
-def empty_figure(title: str, x: str, y: str, height: int, **ranges: Range1d) -> Any:
-    """A figure without ground, legible in both modes."""
+def empty_figure(title: str, x: str, y: str, height: int, *, fixed: bool = True) -> Any:
+    """A figure without ground, legible in both modes; its ranges are set or follow the data."""
+    ranges = {"x_range": Range1d(), "y_range": Range1d()} if fixed else {}
     made = figure(
         title=title, x_axis_label=x, y_axis_label=y, height=height, **ranges,
         sizing_mode="stretch_width", tools=[BoxZoomTool(), ResetTool(), SaveTool()],

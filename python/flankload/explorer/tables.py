@@ -60,14 +60,16 @@ def status(answer: Answer) -> str:
     text = f"{1e3 * answer.seconds:.0f} ms, {result.position_rad.size} positions"
     if not answer.at_rest:
         return f"{text}, no error estimate while a key moves"
-    errors = [x for x in (result.estimate or {}).values() if isinstance(x, float) and isfinite(x)]
+    estimate = (result.estimate or {}).items()
+    errors = {name: x for name, x in estimate if isinstance(x, float) and isfinite(x)}
     if errors:
-        text += f", estimated error up to {percent(max(errors))}"
+        worst = max(errors, key=errors.__getitem__)
+        text += f", estimated error up to {percent(errors[worst])} ({words(worst)})"
     if result.status.any():
         text += f", {np.count_nonzero(result.status)} positions with a status"
     if result.warnings:
         title = escape("\n".join(result.warnings), quote=True)
-        text += f', <span title="{title}">{len(result.warnings)} notes</span>'
+        text += f', <span title="{title}">notes: {len(result.warnings)}</span>'
     return text
 
 

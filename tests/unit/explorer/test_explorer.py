@@ -243,6 +243,16 @@ def test_bars_are_not_over_the_angle_of_a_stage(name: str, labels: list[str]) ->
     assert [one[word] for one in sent for word in words if word in one] == labels
 
 
+def test_pressures_on_corners_alone_are_within_the_picture() -> None:
+    """The picture of a helical internal gear was empty: its range was that of no values."""
+    sent: list[dict[str, Any]] = []
+    picture = Picture("pressure", lambda model, **properties: sent.append(properties))
+    engagement = SimpleNamespace(pairs_advance=True, words_for_sites=("pair", "pairs"))
+    columns = {"x": np.arange(3.0), "y": np.full(3, np.nan), "corner": np.full(3, 1100.0)}
+    picture.show(columns, SimpleNamespace(engagement=engagement))  # type: ignore[arg-type]
+    assert max(one["end"] for one in sent if "end" in one) > 1100.0
+
+
 # --- bodies ---------------------------------------------------------------------------------------
 def test_teeth_over_their_width_carry_the_line_load_of_each_contact() -> None:
     few = {"estimate": False, "tangents": False, "flank_element_mm": 3.0, "modes": 3, "slices": 6}
