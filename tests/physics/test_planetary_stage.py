@@ -8,6 +8,7 @@ import pytest
 import flankload as fl
 from flankload.mechanisms import Parts
 from flankload.mechanisms.displaced import are_displaced, run_displaced
+from flankload.mechanisms.registry import mechanism_of
 from flankload.mechanisms.stage.assembly import assemble
 from flankload.mechanisms.stage.states import counted_work
 from flankload.pairing.stage import surviving_order
@@ -409,3 +410,33 @@ def test_stages_with_other_pins_share_a_run():
     # forces are estimated for the first design alone
     work = together[1][0].cost["of_this_torque"]
     assert work["pivots"] < 0.2 * solve(scenes[1]).cost["of_this_torque"]["pivots"]
+
+
+def test_fields_of_all_bodies_have_the_forces_of_the_contacts(tmp_path):
+    """Nodes under forces are beside the contacts; sums are those of planets and pins."""
+    scene = scene_of(
+        positions={"count": None, "angles_deg": [1.8]},
+        stage={"planets": 2, "pin_tangential_errors_um": [20, 0]},
+        accuracy={"flank_element_mm": 2.0, "modes": 3},
+    )
+    found = solve(scene)
+    table = found.pairs(0)
+    places = np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
+    largest = np.abs(found.pin_force_N).max()
+    bodies = mechanism_of(scene).fields_of_bodies(scene)
+    assert list(bodies) == ["body_1", *(f"planet_{j}" for j in (1, 2)), "body_2"]
+    for j, body in enumerate(bodies.values()):
+        fields = body.at(found, 0)
+        loaded = np.abs(fields.force_N).sum(axis=1) > 0
+        apart = np.linalg.norm(fields.points_mm[loaded, None] - places, axis=2).min(axis=1)
+        assert apart.max() < 2.0  # the length of an element
+        on_sun = found.planet_force_N[0].sum(axis=0)
+        on_ring = on_sun - found.pin_force_N[0].sum(axis=0)
+        wanted = (-on_sun, *found.pin_force_N[0], on_ring)[j]
+        np.testing.assert_allclose(fields.force_N.sum(axis=0), wanted, atol=2e-4 * largest)
+        # the planets are pushed along the forces on their pins
+        pushed = (fields.displacement_mm * fields.force_N).sum()
+        assert pushed > 0.0
+    lines = fl.write_vtu(scene, found, tmp_path)
+    assert len(lines) == 4
+    assert (tmp_path / "planet_2_0000.vtu").is_file()

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 #: Name of the collection in each folder.
 COLLECTION = "loaded_pair.pvd"
 #: Patterns of the names of all files, of one torque and of several.
-OF_TORQUE = ("body_[12]_*.vtu", "contacts_*.vtu", COLLECTION)
+OF_TORQUE = ("body_[12]_*.vtu", "planet_*.vtu", "contacts_*.vtu", COLLECTION)
 NAMES = (*OF_TORQUE, *(f"torque_*_Nm/{name}" for name in OF_TORQUE))
 
 
@@ -41,7 +41,8 @@ def write_vtu(
 ) -> tuple[str, ...]:
     """Write the loaded bodies at each position, for ParaView.
 
-    `loaded_pair.pvd` lists all files over the angle of body 1 in degrees. `body_1_0000.vtu`, … have
+    `loaded_pair.pvd` lists all files over the angle of body 1 in degrees. `body_1_0000.vtu`, …, of
+    a planetary stage also `planet_1_0000.vtu`, …, have
     the elements of a whole body at position 0, in mm, undeformed, in the frame of the drawings,
     with displacement_mm, stress_MPa (xx, yy, zz, xy, yz, xz), von_mises_MPa, contact_pressure_MPa
     and contact_force_N of the nodes, in single precision: displacement and stress that the contact

@@ -8,6 +8,7 @@ import numpy as np
 
 from flankload.mechanisms.flank_pair.body_files import files_of_compliances, files_of_meshes
 from flankload.mechanisms.stage.assembly import NAMES, assemble
+from flankload.mechanisms.stage.loaded_bodies import fields_of_members
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -30,5 +31,5 @@ def compliance_files(scene: Scene) -> Iterator[ComplianceFile]:
 
 
 def fields_of_bodies(scene: Scene) -> Mapping[str, FieldsOfBody | str]:
-    """No fields: the reason."""
-    return dict.fromkeys(NAMES, "this version has no fields of planetary stages")
+    """Sun, planets and ring with elements for the contact forces of results, or why not."""
+    return fields_of_members(scene, assemble(scene))
