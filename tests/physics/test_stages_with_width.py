@@ -9,6 +9,7 @@ from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.modes import stage_modes
 from flankload.mechanisms.stage.states import compliances_of, counted_work
 from flankload.mechanisms.stage_clock import StageClock
+from flankload.mechanisms.toggles import toggled
 from tests.support.solving import solve
 from tests.support.stages_with_width import stage, wide
 from tests.support.tolerances import SOLVER
@@ -292,3 +293,14 @@ def test_designs_of_a_helical_stage_share_their_positions():
 def test_modes_of_a_stage_with_width_are_refused():
     with pytest.raises(fl.SceneError, match=r"effects\.dimension: expected nothing for modes"):
         stage_modes(fl.Scene.from_dict(wide()))
+
+
+def test_the_plane_section_of_a_helical_stage():
+    """Its planets were helical, so that the plan of a stage ended in an error."""
+    keys = {"carrier": CARRIER, "pin_radial_inclinations_um_per_mm": [1.0, 0.0, 0.0]}
+    scene = fl.Scene.from_dict(wide(stage=keys))
+    section = toggled(scene, "three_dimensions", on=True).scene
+    assert section.planet.helix_angle_deg == 0.0
+    assert section.stage.carrier is None
+    plane = solve(section).transmission_error_um[0]
+    assert plane == pytest.approx(stage().transmission_error_um[0], rel=0.1)

@@ -113,8 +113,7 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
         found = with_rigid(scene, RIGID[name], rigid=on)
     elif name in OF_STAGE and scene.stage is not None:
         stage = structs.replace(scene.stage, **OF_STAGE[name][1 if on else 0])
-        stage.check()
-        return Toggle(replace(scene, stage=stage))
+        found = replace(scene, stage=stage)
     elif name in REMOVED and on:
         return Toggle(_without_tables(scene, REMOVED[name]))
     elif name == "three_dimensions":

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec import structs
 
-from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, common_range
+from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, STAGE_KEYS, AxialKeys, common_range
 from flankload.scene.derived import WIDTH
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.gear import Gear, Ring
+from flankload.scene.stage import Stage
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 #: Keys of [accuracy] of three-dimensional and of plane contact.
 OF_SLICES = ("slices", "axial_degree", "load_degree_z")
 OF_CELLS = ("strips_per_half_width", "corner_strips_per_half_width", "zone_half_widths")
+#: Defaults of the keys of a stage.
+DEFAULTS = {field.name: field.default for field in structs.fields(Stage)}
 #: Keys of a body along its axis, which a plane section lacks.
 ALONG_AXIS = (
     "helix_angle_deg", "hand", "face_width_mm", "axial_offset_mm", *LEAD_KEYS,
@@ -40,10 +43,15 @@ def plane_section(scene: Scene) -> Scene:
     assert isinstance(two, AxialKeys)
     low, high = common_range(one, two, scene.pair.face_width_mm)
     contact = scene.effects.contact if "contact" in scene.named_effects else EffectsAsked().contact
+    stage = scene.stage
+    if stage is not None:
+        stage = structs.replace(stage, **{name: DEFAULTS[name] for name in STAGE_KEYS})
     return replace(
         scene,
         body_1=_straight(scene.body_1),
+        planet=None if scene.planet is None else _straight(scene.planet),
         body_2=_straight(scene.body_2),
+        stage=stage,
         pair=structs.replace(
             scene.pair, face_width_mm=high - low, **dict.fromkeys(MISALIGNMENTS, 0.0)
         ),

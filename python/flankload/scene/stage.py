@@ -300,7 +300,7 @@ class Stage(Table, frozen=True, kw_only=True):
         """Radial and tangential stiffness of a bolt of the ring, N/mm; None without bolts."""
         return _N_per_mm(self.bolt_stiffness_N_per_um)
 
-    def check(self, given: Mapping[str, Any]) -> None:
+    def check(self, given: Mapping[str, Any] | None = None) -> None:
         """Check the rules between the keys of this table; `given`: keys that the scene sets."""
         if (self.planets is None) == (self.angles_deg is None):
             both = self.planets is not None
@@ -314,7 +314,7 @@ class Stage(Table, frozen=True, kw_only=True):
                 expected = f"one entry per planet: {self.count}"
                 refuse(f"stage.{name}", expected, f"{len(values)} entries")
         if self.carrier is not None:
-            self.carrier.check(given.get("carrier", {}), "stage.carrier", self.count)
+            self.carrier.check((given or {}).get("carrier", {}), "stage.carrier", self.count)
         self._check_sun()
         self._check_bolts()
         self._check_rim()
@@ -378,7 +378,7 @@ def check_stage(asked: SceneFile, given: Mapping[str, Any]) -> None:
                 refuse(missing, f"a table, beside [{there}]", None)
         return
     _check_members(asked, planet)
-    stage.check(given["stage"])
+    stage.check(given.get("stage"))
     _check_effects(asked, given.get("effects", {}))
     _check_states(asked)
     assert isinstance(asked.body_1, Gear)
