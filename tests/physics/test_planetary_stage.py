@@ -1,16 +1,20 @@
 """Planetary stages: whole-body finite elements, closed forms, symmetries."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.contact.meshes import solve_meshes
+from flankload.contact.stage_contact import stage_problem
 from flankload.mechanisms import Parts
 from flankload.mechanisms.displaced import are_displaced, run_displaced
 from flankload.mechanisms.registry import mechanism_of
-from flankload.mechanisms.stage.assembly import assemble
-from flankload.mechanisms.stage.states import counted_work
+from flankload.mechanisms.stage.assembly import NAMES, assemble
+from flankload.mechanisms.stage.states import compliances_of, counted_work
+from flankload.mechanisms.stage_clock import StageClock
 from flankload.pairing.stage import surviving_order
 from flankload.pairing.stage_paths import paths_of
 from flankload.report.turning import turning
@@ -440,3 +444,44 @@ def test_fields_of_all_bodies_have_the_forces_of_the_contacts(tmp_path):
     lines = fl.write_vtu(scene, found, tmp_path)
     assert len(lines) == 4
     assert (tmp_path / "planet_2_0000.vtu").is_file()
+
+
+@pytest.mark.parametrize("contact", ["lumped", "pairs"])
+def test_a_stage_in_a_mirror(contact):
+    """Frames, pins and motions mirrored about the x axis: forces are the mirror images."""
+    scene = scene_of(
+        positions={"count": None, "angles_deg": [1.8, 3.6]},
+        stage={
+            "pin_tangential_errors_um": [15.0, 3.0, -4.0, 7.0],
+            "pin_radial_errors_um": [2.0, 0.0, 5.0, -3.0],
+            "pin_stiffness_N_per_um": [200, 300],
+            "sun_weight_N": 80,
+        },
+        effects={"contact": contact},
+        accuracy={"flank_element_mm": 2.0, "modes": 3},
+    )
+    assembly = assemble(scene)
+    assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
+    one = assembly.contact(scene, compliances)
+    meshes = [replace(m, frame_rad=-m.frame_rad, sense=-m.sense) for m in one.pairing.meshes]
+    mirrored = replace(one.pairing, angles_rad=-one.pairing.angles_rad, meshes=tuple(meshes))
+    image = replace(one, pairing=mirrored)
+    problems = [stage_problem(c, assembly.position_rad, scene.torques_Nmm) for c in (one, image)]
+    flip = np.array([1.0, -1.0, -1.0])
+    bodies, of_meshes, motions, angles, loads, moved = problems[1]
+    turned = [m if m.kind == "x" else replace(m, sign=-m.sign) for m in motions]
+    plain = solve_meshes(*problems[0], keep_pairs=False)
+    # displacements are those of the errors, not of the mirrored pairing
+    moved = problems[0][-1] * flip
+    found = solve_meshes(bodies, of_meshes, turned, angles, loads, moved, keep_pairs=False)
+    for name, part in (
+        ("motion", TURNED),
+        ("site_force_N", TURNED),
+        ("site_peak_N_per_mm", SOLVER),
+    ):
+        wanted = getattr(plain, name)
+        np.testing.assert_allclose(
+            getattr(found, name), wanted, rtol=0, atol=part * np.abs(wanted).max()
+        )
+    largest = np.abs(plain.resultant).max(axis=(0, 1, 2))
+    assert (np.abs(found.resultant * flip - plain.resultant) < TURNED * largest).all()
