@@ -240,13 +240,13 @@ def uniform_response(sector: CondensedSector, teeth: int) -> Floats:
     )
 
 
-def unknowns_of(mesh: SectorMesh | WholeMesh, *, held: bool = False) -> int:
-    """Unknowns of a plane mesh, of a sector with one of its cuts or, `held`, without both."""
+def unknowns_of(mesh: SectorMesh | WholeMesh, *, held: bool = False, per_node: int = 2) -> int:
+    """Unknowns of a mesh, of a sector with one of its cuts or, `held`, without both."""
     if not isinstance(mesh, SectorMesh):
-        return 2 * (len(mesh.nodes) - len(mesh.fixed_nodes))
+        return per_node * (len(mesh.nodes) - len(mesh.fixed_nodes))
     fixed = np.concatenate([mesh.fixed_nodes, mesh.left_nodes, mesh.right_nodes])
     inside = len(mesh.nodes) - np.unique(fixed).size
-    return 2 * (inside if held else inside + mesh.left_nodes.size)
+    return per_node * (inside if held else inside + mesh.left_nodes.size)
 
 
 def made_symmetric(response: Floats, across: Numbers) -> tuple[Floats, float]:

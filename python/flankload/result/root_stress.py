@@ -176,9 +176,10 @@ def root_reading(
     root = compliance.root
     if root is None:
         return None
-    body, axial, over_width = pair.bodies[z], compliance.modes.axial, None
-    if axial is not None and root.range_mm is not None:
-        over_width = OverWidth(root.range_mm, axial.degree, pair.slices.edges_mm)
+    body, over_width = pair.bodies[z], None
+    if root.range_mm is not None:
+        degree = compliance.modes.axial.degree
+        over_width = OverWidth(root.range_mm, degree, pair.slices.edges_mm)
     teeth = pair.pairing.site_teeth[z][sites]
     block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
     return RootReading(

@@ -96,7 +96,7 @@ class BodyCompliance:
     @property
     def modes_per_place(self) -> int:
         """Number of modes along the axis for each mode along the profile; 1 in a plane scene."""
-        return 1 if self.modes.axial is None else self.modes.axial.count
+        return self.modes.axial.count
 
     @property
     def modes_along(self) -> int:
@@ -234,7 +234,7 @@ class BodyCompliance:
     def fewer_axial_modes(self, fewer: int = 2) -> BodyCompliance:
         """In three dimensions, the compliance without the modes of the highest degrees in z."""
         axial = self.modes.axial
-        if axial is None or axial.degree < fewer:
+        if not 0 < fewer <= axial.degree:
             return self
         kept = np.flatnonzero(np.arange(self.smooth.shape[1]) % axial.count < axial.count - fewer)
         return replace(
@@ -284,13 +284,11 @@ class BodyCompliance:
         """The compliance with modes on the uniformly expanded curve."""
         low, high = self.modes.range_mm
         larger, tip, axial = 1.0 + self.expansion.strain, self.modes.tip, self.modes.axial
-        if axial is not None:
-            axial = replace(axial, twist=axial.twist / larger)
         modes = replace(
             self.modes,
             range_mm=(larger * low, larger * high),
             tip=None if tip is None else tip.larger(larger),
-            axial=axial,
+            axial=replace(axial, twist=axial.twist / larger),
         )
         return replace(self, modes=modes)
 
@@ -373,11 +371,11 @@ def no_compliance(body: Body, body_load: BodyLoad | None = None) -> BodyComplian
     )
 
 
-def _whole_width(body: Body) -> AxialModes | None:
-    """One constant mode over the width of a rigid three-dimensional body."""
+def _whole_width(body: Body) -> AxialModes:
+    """One constant mode over the width of a rigid body."""
     shape = body.axial
     if shape.plane:
-        return None
+        return AxialModes()
     tangent = shape.twist_rad_per_mm * (body.base_radius_mm or body.normal_lever_mm)
     return AxialModes(
         shape.range_mm, 0, shape.twist_rad_per_mm, float(1.0 / np.hypot(1.0, tangent)), (0.0, 0.0)

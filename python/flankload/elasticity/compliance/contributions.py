@@ -38,7 +38,7 @@ class NearField:
 
 @dataclass(frozen=True)
 class AxialModes:
-    """Modes along the axis of a three-dimensional body.
+    """Modes along the axis of a body; the constant one alone in the plane, by default.
 
     Attributes
     ----------
@@ -54,11 +54,11 @@ class AxialModes:
         Strengths psi of the mirror images behind the end faces at low and high z.
     """
 
-    range_mm: tuple[float, float]
-    degree: int
-    twist: float
-    cos_base_helix: float
-    end: tuple[float, float]
+    range_mm: tuple[float, float] = (0.0, 1.0)
+    degree: int = 0
+    twist: float = 0.0
+    cos_base_helix: float = 1.0
+    end: tuple[float, float] = (0.0, 0.0)
 
     @property
     def count(self) -> int:
@@ -78,8 +78,8 @@ class FlankModes:
         The modes are harmonics around the body.
     tip : Tip or None
         Tip rounding or chamfer, to which the last modes belong.
-    axial : AxialModes or None
-        Modes along the axis; in three dimensions, modes are products with these.
+    axial : AxialModes
+        Modes along the axis; modes are products with these.
     nodes : (n,) array or None
         Arc lengths of the nodes, mm, whose unit forces replace the modes.
     """
@@ -87,12 +87,12 @@ class FlankModes:
     range_mm: tuple[float, float]
     closed: bool = False
     tip: Tip | None = None
-    axial: AxialModes | None = None
+    axial: AxialModes = AxialModes()
     nodes: Floats | None = None
 
     def mirror_signs(self, p: int) -> Floats:
         """Factors (p,) of the modes in the image of a flank that is turned end for end in z."""
-        count = 1 if self.axial is None else self.axial.count
+        count = self.axial.count
         return np.tile((-1.0) ** np.arange(count), p // count)
 
 

@@ -97,8 +97,6 @@ def _products(found: BodyCompliance, body: Body) -> Floats:
     values = mode_values(s, modes.range_mm, found.modes_along, tip=tip)
     measure = (half * weights).ravel() * _angle(body, s)
     products = to_coefficients(values.T @ (measure[:, None] * values), modes.range_mm, tip=tip)
-    if modes.axial is None:
-        return products
     # the loads along a profile are 1/cos(beta_b) of those normal to it
     cosine = modes.axial.cos_base_helix
     return np.asarray(np.kron(cosine * products, np.eye(modes.axial.count)))

@@ -58,7 +58,12 @@ from flankload.elasticity.prism.flank_surface import flank_surface
 from flankload.elasticity.prism.flexible_bore import FlexibleBore
 from flankload.elasticity.prism.prism import COMPONENTS
 from flankload.elasticity.prism.root_surface import root_surface_stress
-from flankload.elasticity.sector_closure import close_ring, condense_sector, made_symmetric
+from flankload.elasticity.sector_closure import (
+    close_ring,
+    condense_sector,
+    made_symmetric,
+    unknowns_of,
+)
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -146,7 +151,7 @@ def _compliance(
         along = np.ascontiguousarray(blocks[:, :p, p:]) if friction else None
         coast = CoastCompliance(np.ascontiguousarray(blocks[:, :p, :p]), along)
         log.account.count(coast_readings=q)
-    unknowns = prism_unknowns(body, prism.degree)
+    unknowns = unknowns_of(_sector_of(body), per_node=COMPONENTS * (prism.degree + 1))
     log.account.count(fe_unknowns=unknowns, fe_solutions=columns)
     log.count_loads(q, friction=friction)
     log.end_step("near field")
@@ -306,13 +311,6 @@ def _ring_responses(
         response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
     log.end_step("ring")
     return response[:, :count], response[:, count:]
-
-
-def prism_unknowns(body: Body, degree: int) -> int:
-    """Number of unknowns of the elements of a sector for a degree of displacements along z."""
-    mesh = _sector_of(body)
-    held = np.unique(np.concatenate([mesh.fixed_nodes, mesh.right_nodes])).size
-    return COMPONENTS * (degree + 1) * (len(mesh.nodes) - held)
 
 
 def _sector_of(body: Body) -> SectorMesh:

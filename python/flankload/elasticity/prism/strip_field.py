@@ -60,7 +60,6 @@ class StripField:
         modes, s = compliance.modes, s_mm
         width, z = np.diff(edges_mm), 0.5 * (edges_mm[1:] + edges_mm[:-1])
         axial = modes.axial
-        assert axial is not None
         n_s = compliance.smooth.shape[1] // axial.count
         k = 0.5 * compliance.near.kernel
         apart = strip_distances(s.size, strip_mm)[:, None, None]

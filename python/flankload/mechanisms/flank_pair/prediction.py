@@ -190,8 +190,6 @@ def _prism(
 
     An estimate of the error of its elements is one of the plane section.
     """
-    from flankload.elasticity.prism import prism_unknowns
-
     degree, load_degree = degrees
     of_profile = [round(part) * modes for part in _loads(work)]
     normal, tangential = (part * (load_degree + 1) for part in of_profile)
@@ -199,7 +197,8 @@ def _prism(
     coast = round(work.coast_readings) * (normal + tangential)
     found = _solved(factorisations, normal, tangential, coast_readings=coast)
     found["fe_solutions"] += sum(of_profile) * estimated
-    return found | {"fe_unknowns": prism_unknowns(body, degree)}
+    assert isinstance(body.mesh, SectorMesh)
+    return found | {"fe_unknowns": unknowns_of(body.mesh, per_node=3 * (degree + 1))}
 
 
 def _loads(work: Work) -> tuple[float, float]:

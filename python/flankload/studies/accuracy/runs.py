@@ -146,7 +146,7 @@ def _with_modes(
     """The submatrix of the lower modes; None if a separate solution is cheap."""
     if compliance.modes.closed or account.cpu_s < SHARED_ABOVE_S:
         return None
-    if compliance.modes.axial is not None and load_degree is not None:
+    if load_degree is not None:
         compliance = compliance.fewer_axial_modes(compliance.modes.axial.degree - load_degree)
     return compliance.fewer_modes(compliance.flank_modes - modes), account
 
