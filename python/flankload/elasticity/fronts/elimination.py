@@ -107,8 +107,9 @@ class Elimination:
         own, images = problem.boundary()
         count = int(np.searchsorted(known, problem.first_load + problem.columns.size))
         at = np.append(np.arange(own.size), np.arange(count, known.size))
-        image = np.tril(matrix)[np.ix_(at, at)]
-        image += np.tril(image, -1).T
+        image = matrix[np.ix_(at, at)]
+        if problem.mixes:  # else the lower triangle suffices
+            image = np.tril(image) + np.tril(image, -1).T
         for _ in range(2):  # rows, then columns
             image[: own.size] = problem.reflected(image[: own.size], problem.on_axis)
             image = image.T

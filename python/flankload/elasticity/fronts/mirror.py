@@ -69,6 +69,7 @@ def reflection(mesh: SectorMesh, functions: int, components: int, *, twisted: bo
     """
     turn, sign = 2.0 * axis_of(mesh), -1.0 if twisted else 1.0
     cosine, sine = np.cos(turn), np.sin(turn)
+    sine = 0.0 if abs(sine) < TOLERANCE else sine
     of_node = np.array([[cosine, sine, 0.0], [sine, -cosine, 0.0], [0.0, 0.0, sign]])
     signs = np.diag(sign ** np.arange(functions))
     return np.asarray(np.kron(signs, of_node[:components, :components]), dtype=float)

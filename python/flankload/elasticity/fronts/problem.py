@@ -106,14 +106,27 @@ class Problem:
         positions = self.order.position
         return self.numbers(positions[rest]), self.numbers(positions[images[rest]])
 
+    @property
+    def mixes(self) -> bool:
+        """Whether a reflection combines components, rather than changing signs."""
+        return self.turn is not None and bool((self.turn != np.diag(np.diagonal(self.turn))).any())
+
     def reflected(self, values: Floats, inner: int) -> Floats:
         """Reflected values by unknown and column of `inner` eliminated nodes, then of kept ones."""
         assert self.turn is not None
-        split, found = inner * self.unknowns.size, np.empty_like(values)
-        for rows, n in (slice(split), self.unknowns.size), (slice(split, None), self.of_kept.size):
-            part = values[rows]
-            by_node = part.reshape(len(part) // n, n, values.shape[1])
-            found[rows] = (self.turn[:n, :n] @ by_node).reshape(part.shape)
+        n, m = self.unknowns.size, self.of_kept.size
+        kept = (len(values) - inner * n) // m
+        signs = np.diagonal(self.turn)
+        found = values * np.concatenate([np.tile(signs, inner), np.tile(signs[:m], kept)])[:, None]
+        if self.mixes:  # each unknown with one other one of its node
+            other = self.turn - np.diag(signs)
+            partner = np.abs(other).argmax(axis=1)
+            part = other[np.arange(n), partner]
+            first = n * np.arange(inner)[:, None] + partner
+            then = inner * n + m * np.arange(kept)[:, None] + partner[:m]
+            rows = np.concatenate([first.ravel(), then.ravel()])
+            parts = np.concatenate([np.tile(part, inner), np.tile(part[:m], kept)])
+            found += parts[:, None] * values[rows]
         return found
 
 
