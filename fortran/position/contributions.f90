@@ -75,9 +75,9 @@ contains
                 if (size(of) == size(matrix, 2)) then
                     call add_alone(bodies(b), places(b), matrix)
                 else if (size(of) > 0) then
-                    part = matrix(of, of)
+                    part = block_of(matrix, of, ends_of_runs(of))
                     call add_alone(bodies(b), places(b), part)
-                    matrix(of, of) = part
+                    call put_block(part, of, ends_of_runs(of), matrix)
                 end if
             end associate
         end do
@@ -99,6 +99,57 @@ contains
         end subroutine add_alone
 
     end subroutine add_contributions
+
+    !> Return the ends of the runs of consecutive numbers: the pairs of a mesh are consecutive, and a
+    !> copy by runs takes a tenth of the time of one by indices.
+    pure function ends_of_runs(of) result(ends)
+        !> Ascending numbers
+        integer, intent(in) :: of(:)
+        integer, allocatable :: ends(:)
+
+        integer :: i
+
+        ends = pack([(i, i=1, size(of))], [of(2:) /= of(:size(of) - 1) + 1, .true.])
+    end function ends_of_runs
+
+    !> Return the block of a matrix at some of its rows and columns.
+    pure function block_of(matrix, of, ends) result(part)
+        !> The matrix
+        real(wp), contiguous, intent(in) :: matrix(:, :)
+        !> The rows and columns, and the ends of their runs
+        integer, intent(in) :: of(:)
+        integer, intent(in) :: ends(:)
+        real(wp) :: part(size(of), size(of))
+
+        integer :: j, k, first
+
+        do j = 1, size(of)
+            first = 1
+            do k = 1, size(ends)
+                part(first:ends(k), j) = matrix(of(first):of(ends(k)), of(j))
+                first = ends(k) + 1
+            end do
+        end do
+    end function block_of
+
+    !> Put a block into a matrix at some of its rows and columns.
+    pure subroutine put_block(part, of, ends, matrix)
+        !> As in block_of
+        real(wp), contiguous, intent(in) :: part(:, :)
+        integer, intent(in) :: of(:)
+        integer, intent(in) :: ends(:)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: j, k, first
+
+        do j = 1, size(of)
+            first = 1
+            do k = 1, size(ends)
+                matrix(of(first):of(ends(k)), of(j)) = part(first:ends(k), j)
+                first = ends(k) + 1
+            end do
+        end do
+    end subroutine put_block
 
     !> Near field of cells in the plane, with its images behind free corners, to the lower triangle.
     pure subroutine near_field(body, places, matrix)
