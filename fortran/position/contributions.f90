@@ -100,8 +100,8 @@ contains
 
     end subroutine add_contributions
 
-    !> Return the ends of the runs of consecutive numbers: the pairs of a mesh are consecutive, and a
-    !> copy by runs takes a tenth of the time of one by indices.
+    !> Return the ends of the runs of consecutive numbers: the pairs of a mesh are consecutive, and
+    !> a copy by runs takes a tenth of the time of one by indices.
     pure function ends_of_runs(of) result(ends)
         !> Ascending numbers
         integer, intent(in) :: of(:)
