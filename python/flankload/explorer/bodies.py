@@ -88,14 +88,12 @@ def bodies_of(result: Result, p: int, shown: Window) -> dict[str, Any]:
 def _section(result: Result, p: int, shown: Window) -> Iterator[tuple[Floats, str, float, str]]:
     """Points, colour, opacity and colour of the contour of each area in the transverse section."""
     size = float(np.ptp(shown.corners, axis=0).max())
-    around = directions(np.linspace(0, -2 * np.pi, CIRCLE))
+    # opposite to the contour: one of both is a hole
+    circle, between = directions(np.linspace(0, -2 * np.pi, CIRCLE)), np.full((1, 2), np.nan)
     for body in drawn_bodies(result):
         contour = all_around(thinned(body.outline, OFF * size), body.teeth, body.angle[p])
-        contour = body.center_mm + np.vstack([contour, contour[:1]])
-        circle = body.center_mm + (body.hole_mm or 0.0) * around
-        yield np.vstack([contour, circle]), BODIES[body.number - 1], ALPHA, "transparent"
-        yield contour, "transparent", 0.0, INK
-        yield circle, "transparent", 0.0, INK
+        outlines = np.vstack([contour, between, (body.hole_mm or 0.0) * circle])
+        yield body.center_mm + outlines, BODIES[body.number - 1], ALPHA, INK
     table, scales = result.pairs(p), scales_of([result])
     for s in np.flatnonzero(result.site_force_N[p] > 0).tolist():
         yield load_shape(result, table, p, s, scales, size)[0], LOAD, 0.8, LOAD
