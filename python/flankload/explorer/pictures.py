@@ -90,6 +90,7 @@ class Picture:
                               color_mapper=self._colors)  # fmt: skip
             return
         if name in BARS:
+            self.figure.xaxis[0].ticker.min_interval = 1
             self.figure.vbar(x="x", top="y", width=0.8, source=self._pinned, color=PINNED,
                              fill_alpha=0.4, line_alpha=0.0)  # fmt: skip
             self.figure.vbar(x="x", top="y", width=0.45, source=self._now, color=NOW)
