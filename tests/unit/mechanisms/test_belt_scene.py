@@ -311,7 +311,7 @@ def test_estimate_of_elements_is_at_least_their_error() -> None:
     keys["body_2"] = {"wrapped_teeth": 5, "flank_angle_deg": None}
     plain = {"flank_element_mm": None, "estimate": True}
     result = solved(**keys, positions={"count": 2}, accuracy=plain)
-    fine = solved(**keys, positions={"count": 2}, accuracy={"flank_element_mm": 0.156})
+    fine = solved(**keys, positions={"count": 2}, accuracy={"flank_element_mm": 0.2})
     assert result.estimate is not None
     estimated = result.estimate["by_source"]["elements"]
     turned = fine.rotation_rad - result.rotation_rad
