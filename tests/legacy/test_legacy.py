@@ -156,16 +156,11 @@ def problem_file(workshop: Path) -> Path:
     return written(workshop / "problems.txt", "\n".join(lines) + "\n")
 
 
-@pytest.mark.parametrize(
-    ("program", "static"),
-    [("bits", False), ("bits_fortran", False), ("bits_modern", False), ("bits", True)],
-    ids=["bits-shared", "bits_fortran-shared", "bits_modern-shared", "bits-static"],
-)
+@pytest.mark.parametrize("program", ["bits", "bits_fortran", "bits_modern"])
 def test_the_same_bits_through_every_interface(
-    program, static, problem_file, workshop, environment
+    program, problem_file, workshop, environment
 ) -> None:
-    name = "programs" + ("_static" if static else "")
-    folder = built(PROGRAMS, workshop / name, environment, static=static, program=program)
+    folder = built(PROGRAMS, workshop / "programs", environment, static=False, program=program)
     read = float.fromhex if program == "bits" else float
     lines = run(folder / program, problem_file, environment).splitlines()
     for line, (structure, method, arrays) in zip(lines, contact_problems(), strict=True):
@@ -183,10 +178,8 @@ def test_the_same_bits_through_every_interface(
     assert int(info) == -1
 
 
-@pytest.mark.parametrize("static", LINKING)
-def test_threads_of_the_caller(static, problem_file, workshop, environment) -> None:
-    name = "programs" + ("_static" if static else "")
-    folder = built(PROGRAMS, workshop / name, environment, static=static, program="threads")
+def test_threads_of_the_caller(problem_file, workshop, environment) -> None:
+    folder = built(PROGRAMS, workshop / "programs", environment, static=False, program="threads")
     printed = run(folder / "threads", problem_file, environment)
     assert printed.split() == ["0", "of", "800", "differ"]
 

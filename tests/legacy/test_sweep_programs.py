@@ -49,9 +49,8 @@ def blocks(text: str, sweep: NodalSweep) -> list[list[list[str]]]:
     return [lines[a + 1 : b] for a, b in zip(starts, [*starts[1:], len(lines)], strict=True)]
 
 
-@pytest.mark.parametrize("static", LINKING)
-def test_fixed_form_fortran(static, sweep, solved, workshop, environment) -> None:
-    folder = example("legacy_fortran", workshop, environment, static=static)
+def test_fixed_form_fortran(sweep, solved, workshop, environment) -> None:
+    folder = example("legacy_fortran", workshop, environment, static=False)
     found = blocks(run(folder / "sweep", SWEEP_DATA, environment), sweep)
     for t, (_, *rows) in enumerate(found):
         assert len(rows) == sweep.angles_rad.shape[1]
@@ -167,7 +166,8 @@ def test_data_that_end_too_early_get_one_line(folder, program, workshop, environ
 
 
 @pytest.mark.parametrize(
-    ("folder", "program"), [("legacy_fortran", "loads"), *((folder, "sweep") for folder in FOLDERS)]
+    ("folder", "program"),
+    [("legacy_fortran", "loads"), ("modern_fortran", "sweep"), ("c", "sweep")],
 )
 def test_static_programs_want_the_c_library_alone(folder, program, workshop, environment) -> None:
     path = example(folder, workshop, environment, static=True, program=program) / program
