@@ -109,12 +109,12 @@ def overlaps_of(
         return
     r_1, angle_1, tip_1 = r_1[some_1], angle_1[some_1], tip_1[some_1]
     r_2, angle_2, tip_2 = r_2[some_2], angle_2[some_2], tip_2[some_2]
-    depth = -r_2 * _margins(
-        (r_1[:, None], angle_1[:, None]), (r_2, angle_2), body_1, body_2, distance_mm
-    )
-    at_tips = tip_1[:, None] & tip_2
-    for part in (True, False):
-        chosen = np.where(at_tips == part, depth, -np.inf)
+    depth = _overlaps((r_1[:, None], angle_1[:, None]), (r_2, angle_2), body_1, body_2, distance_mm)
+    at_tips = np.ix_(tip_1, tip_2)
+    tips = np.full_like(depth, -np.inf)
+    tips[at_tips] = depth[at_tips]
+    depth[at_tips] = -np.inf
+    for part, chosen in ((True, tips), (False, depth)):
         i, j = np.unravel_index(np.argmax(chosen), chosen.shape)
         if chosen[i, j] > LEAST_OVERLAP * body_1.curve.length_mm:
             yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
@@ -146,22 +146,28 @@ def _some_meet(radii: Floats, others: Floats, distance: float) -> NDArray[np.boo
     return np.asarray(reached, dtype=np.bool_)
 
 
-def _margins(
+def _overlaps(
     place_1: tuple[Floats, Floats],
     place_2: tuple[Floats, Floats],
     body_1: Body,
     body_2: Body,
     distance: float,
 ) -> Floats:
-    """Smaller margin of both intersections, rad about O2; inf if there are none."""
+    """Larger overlap at both intersections, mm about O2; -inf if there are none."""
     (r_1, angle_1), (r_2, angle_2) = place_1, place_2
     sense, ratio = body_2.outward, body_1.teeth / body_2.teeth
-    cosine_1 = sense * (distance**2 + r_1**2 - r_2**2) / (2 * distance * r_1)
-    cosine_2 = (distance**2 + r_2**2 - r_1**2) / (2 * distance * r_2)
+    cosine_1 = (distance**2 + r_1**2) - r_2**2
+    cosine_1 /= sense * 2 * distance * r_1
+    cosine_2 = (distance**2 + r_2**2) - r_1**2
+    cosine_2 /= 2 * distance * r_2
     meet = (np.abs(cosine_1) < 1.0) & (np.abs(cosine_2) < 1.0)
-    theta_1, theta_2 = np.arccos(cosine_1[meet]), np.arccos(cosine_2[meet])
-    along = (ratio * angle_1 + sense * angle_2)[meet]
     # at the other intersection both angles have the opposite sign
-    least = np.full(meet.shape, np.inf)
-    least[meet] = -np.abs(ratio * theta_1 - theta_2) - along
-    return least
+    depth = np.full(meet.shape, -np.inf)
+    theta_2 = np.arccos(cosine_2, out=cosine_2, where=meet)
+    np.arccos(cosine_1, out=depth, where=meet)
+    depth *= ratio
+    depth -= theta_2
+    np.abs(depth, out=depth, where=meet)
+    depth += ratio * angle_1 + sense * angle_2
+    depth *= r_2
+    return depth

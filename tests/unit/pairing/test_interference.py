@@ -7,7 +7,7 @@ import pytest
 
 import flankload as fl
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.pairing.interference import _margins, _places, overlaps_of
+from flankload.pairing.interference import _overlaps, _places, overlaps_of
 from tests.support.paths import SCENES
 
 
@@ -21,8 +21,8 @@ def test_overlaps_are_those_of_all_circles(name: str, nearer: float) -> None:
     pitch = distance / (1.0 + sense / ratio) * sense, distance / (1.0 + sense * ratio)
     radii = (abs(pitch[0]), abs(pitch[1]))
     (r_1, angle_1, tip_1), (r_2, angle_2, tip_2) = map(_places, bodies, radii)
-    margins = _margins((r_1[:, None], angle_1[:, None]), (r_2, angle_2), *bodies, distance)
-    depth, at_tips = -r_2 * margins, tip_1[:, None] & tip_2
+    depth = _overlaps((r_1[:, None], angle_1[:, None]), (r_2, angle_2), *bodies, distance)
+    at_tips = tip_1[:, None] & tip_2
     overlaps = {overlap.at_tips: overlap for overlap in overlaps_of(*bodies, radii, distance)}
     for part in (True, False):
         deepest = np.max(depth[at_tips == part])
