@@ -96,6 +96,21 @@ def test_counter_phase_shares_unevenly_without_any_error():
     assert found.mesh_load_factor.max() > 1.02
 
 
+def test_derivatives_to_errors_of_planets():
+    """Also of lists that the scene does not have: those of difference quotients."""
+    scene = scene_of(
+        positions=SMOOTH, stage={"pin_tangential_errors_um": [15, 0, 3, 0], "floating": "none"}
+    )
+    names = ("pin_tangential_errors_um[0]", "planet_thickness_errors_um[2]")
+    paths = [f"stage.{name}" for name in names]
+    found = fl.sensitivity(scene, paths).derivative("planet_load_share")[:, 0]
+    for path, value, slopes in zip(paths, (15.0, 0.0), found, strict=True):
+        sides = [solve(scene.replace({path: value + step})) for step in (0.05, -0.05)]
+        quotient = (sides[0].planet_load_share - sides[1].planet_load_share) / 0.1
+        np.testing.assert_allclose(slopes, quotient, atol=1e-6 * np.abs(quotient).max())
+        assert np.abs(quotient).max() > 1e-3
+
+
 def test_torques_of_ring_and_carrier():
     angles = {"count": None, "angles_deg": [1.8]}
     found = stage(positions=angles, stage={"pin_tangential_errors_um": [20, 0, 0, 0]})

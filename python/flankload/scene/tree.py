@@ -89,7 +89,8 @@ def with_changes(tree: Tree, changes: Mapping[str, Any]) -> Tree:
         As in a scene file.
     changes : mapping of str to object
         By path, as "body_1.tip_relief_um" or "body_1.pitch_errors_um[3]": the new value, a whole
-        table or list included; None removes the key.
+        table or list included; None removes the key. An absent list with an entry per planet has
+        zeros.
 
     Returns
     -------
@@ -121,6 +122,8 @@ def number_at(scene: Scene, path: str) -> float:
     inside = False
     for step in _steps_of(path):
         if isinstance(step, int):
+            if place == () and path.startswith("stage.") and scene.stage is not None:
+                place = (0.0,) * scene.stage.count
             inside = isinstance(place, tuple) and step < len(place)
             place = place[step] if inside else None
         else:
@@ -190,13 +193,20 @@ def _change(tree: Tree, steps: list[str | int], path: str, value: Any) -> None:
             refuse(here, "a table", shown(place))
         if n + 1 < len(steps):
             if isinstance(step, str) and step not in place:
-                place[step] = [] if isinstance(steps[n + 1], int) else {}
+                place[step] = _zeros(place) if isinstance(steps[n + 1], int) else {}
             place = place[step]
         elif value is None:
             if isinstance(step, int) or step in place:
                 del place[step]
         else:
             place[step] = copy.deepcopy(value)
+
+
+def _zeros(stage: Tree) -> list[float]:
+    """A list with an entry per planet of a stage; empty for other tables."""
+    angles, planets = stage.get("angles_deg"), stage.get("planets")
+    count = len(angles) if isinstance(angles, list) else planets
+    return [0.0] * count if isinstance(count, int) else []
 
 
 def _text_of(steps: list[str | int]) -> str:
