@@ -76,6 +76,7 @@ from flankload.plot.stage import (
     plot_planetary_stage,
     plot_sun_orbit,
 )
+from flankload.plot.stage_patterns import draw_stage_patterns, plot_stage_patterns
 from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
 from flankload.plot.whole_circle import (
     draw_flank_pressure,
@@ -138,6 +139,7 @@ __all__ = [
     "draw_profile_deviation",
     "draw_root_stress",
     "draw_root_stress_over_width",
+    "draw_stage_patterns",
     "draw_stiffness",
     "draw_sun_orbit",
     "draw_tension_around_wrap",
@@ -170,6 +172,7 @@ __all__ = [
     "plot_profile_deviation",
     "plot_root_stress",
     "plot_root_stress_over_width",
+    "plot_stage_patterns",
     "plot_stiffness",
     "plot_sun_orbit",
     "plot_tensions",
@@ -296,9 +299,9 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
         Belts: belt_on_pulley, load_around_wrap, and for several positions transmission_error and
         force_through_wrap. Planetary stages: planetary_stage, and for several positions
         transmission_error, planet_load_share, and sun_orbit if the sun moves; mesh_load_factor for
-        several torques. All: load_map for several positions, transmission_error_spectrum if
-        these cover the period, root_stress if requested (in three dimensions also
-        root_stress_over_width), torque_sweep for several torques.
+        several torques; with a width stage_patterns. All: load_map for several positions,
+        transmission_error_spectrum if these cover the period, root_stress if requested (in three
+        dimensions also root_stress_over_width), torque_sweep for several torques.
     """
     shown = as_results(results)
     found = {name: None for one in shown for name in one.engagement.pictures(one)}

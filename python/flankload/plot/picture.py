@@ -42,6 +42,8 @@ PARAMETERS = {
     "body": "int\n    1 or 2; a figure shows both, in two panels, unless one is given.",
     "key": "bool\n    Whether to explain colours or dashed lines beside the panel.",
     "largest_MPa": "float, optional\n    End of the scale of colours; by default that of the body.",
+    "planet": "int\n    From 1; a figure shows all.",
+    "mesh": 'str\n    "sun" or "ring"; a figure shows both.',
     "quantity": "str\n    One of `QUANTITIES`; a figure shows four unless one is given.",
 }
 SMALL: dict[str, Any] = {"fontsize": 9, "fontweight": "normal", "color": GREY}

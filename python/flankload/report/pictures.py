@@ -14,9 +14,10 @@ from flankload.plot.loaded_pair import is_drawn_over_width
 from flankload.plot.picture import OF_LARGEST
 from flankload.plot.svg import Panel, panel_of
 from flankload.report.turning import thinned
+from flankload.result.stage import MESHES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from flankload.result import Result
 
@@ -36,7 +37,7 @@ SECTIONS = {
         "load_map",
     ),
     "Pressure": ("peak_pressure", "flank_pressure", "pressure_over_diameter"),
-    "Load over the face width": ("line_load", "line_load_map", "contact_pattern"),
+    "Load over the face width": ("line_load", "line_load_map", "contact_pattern", "stage_patterns"),
     "Stiffness and torque": ("stiffness", "torque_sweep"),
     "Root stress": ("root_stress", "root_stress_over_width"),
     "Loaded bodies": ("loaded_pair", "planetary_stage", "belt_on_pulley", "chain_on_sprocket"),
@@ -58,6 +59,7 @@ TITLES = {
     "planet_load_share": "Load shares of the planets",
     "mesh_load_factor": "K_gamma over the torque",
     "sun_orbit": "Orbit of the sun",
+    "stage_patterns": "Contact pattern",
     "tensions": "Tension around the sprocket",
     "load_per_tooth": "Force per tooth",
 }
@@ -112,6 +114,8 @@ def _plots(name: str, light: Sequence[Result]) -> list[Plot]:
     if name == "load_around_wrap":
         of_tension = TITLES["tension_around_wrap"], pictures.draw_tension_around_wrap
         drawn["tension_around_wrap"] = of_tension
+    elif name == "stage_patterns":
+        drawn = dict(_patterns(title, results[-1]))
     elif "body" in signature(draw).parameters and (bodies := _bodies(name, results)):
         drawn = {f"{name}_{z}": (f"{title}, body {z}", partial(draw, body=z)) for z in bodies}
     elif name == "torque_sweep":
@@ -124,6 +128,15 @@ def _plots(name: str, light: Sequence[Result]) -> list[Plot]:
         Plot(key, name, words, panel_of(partial(draw, results=results), key, size))
         for key, (words, draw) in drawn.items()
     ]
+
+
+def _patterns(title: str, result: Result) -> Iterator[tuple[str, tuple[str, Any]]]:
+    """Contact patterns of the meshes of a stage."""
+    assert result.stage is not None
+    for kind in MESHES:
+        for j in range(1, result.stage.count + 1):
+            draw = partial(pictures.draw_stage_patterns, planet=j, mesh=kind)
+            yield f"stage_patterns_{kind}_{j}", (f"{title}, planet {j} with the {kind}", draw)
 
 
 def _bodies(name: str, results: Sequence[Result]) -> tuple[int, ...]:

@@ -168,6 +168,10 @@ class Plots:
         """Path of the axis of the sun."""
         return self._draw("sun_orbit", ax)
 
+    def stage_patterns(self, ax: Any = None) -> Any:
+        """Largest pressure on the flanks of all planets in both meshes; of one on given axes."""
+        return self._draw("stage_patterns", ax)
+
     def mesh_load_factor(self, ax: Any = None) -> Any:
         """K_gamma over the torque."""
         return self._draw("mesh_load_factor", ax)

@@ -43,6 +43,10 @@ class StageLoadsOverWidth(StageLoads):
     sun_tilt_urad: Floats
     ring_tilt_urad: Floats
 
+    def own_pictures(self, result: Result) -> tuple[str, ...]:
+        loaded = bool(result.torque_Nm)
+        return (*super().own_pictures(result), *("stage_patterns",) * loaded)
+
     def summary(self, result: Result) -> dict[str, Any]:
         """Entries of the summary."""
         sun, ring = self.mesh_face_load_factor.max(axis=1)

@@ -36,6 +36,7 @@ from flankload.report.pictures import OF_BODIES, SIZE, plots_of
 from tests.support.gear_scenes import example
 from tests.support.made_up_result import made_up_result
 from tests.support.solving import solve
+from tests.support.stages_with_width import stage
 from tests.support.tolerances import SOLVER
 
 NAMES = ("line_load.png", "line_load_map.png", "contact_pattern.png")
@@ -442,3 +443,22 @@ def test_labels_of_axes_are_no_longer_than_their_axes(stressed: fl.Result) -> No
                 for one in (axes, *axes.child_axes):
                     label = one.yaxis.label.get_window_extent(figure.canvas.get_renderer())
                     assert label.height <= one.bbox.height, f"{name}: {one.get_ylabel()}"
+
+
+def test_patterns_of_all_meshes_of_a_stage() -> None:
+    """A column per planet, with one scale; the report has a panel for each mesh."""
+    found = stage(stage={"pin_tilt_stiffness_Nm_per_mrad": 50})
+    assert "stage_patterns" in plot.pictures_of(found)
+    panels = plot.plot_stage_patterns(found).axes[:6]
+    scales = set()
+    for k, axes in enumerate(panels):
+        kind, j = ("sun", "ring")[k // 3], k % 3 + 1
+        body = 2 if kind == "sun" else 1
+        (shown,) = (part for part in axes.collections if isinstance(part, QuadMesh))
+        _, pattern = contact_pattern(found.mesh(j, kind), body)
+        np.testing.assert_array_equal(np.ma.filled(shown.get_array(), 0.0), pattern)
+        assert f"planet {j}, {kind}" in axes.get_title(loc="left")
+        scales.add(shown.get_clim())
+    assert len(scales) == 1
+    (section,) = (plots for title, plots in plots_of([found]).items() if "width" in title)
+    assert len(section) == 6
