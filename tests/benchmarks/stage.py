@@ -6,6 +6,7 @@ CPU seconds of one thread, least of several runs, without error estimates.
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from time import process_time
 
@@ -19,9 +20,11 @@ from flankload.mechanisms.stage.mechanism import MECHANISM
 from flankload.mechanisms.stage_clock import StageClock
 from tests.support.paths import SCENES
 
-#: Wanted, ms: a state with lumped contact, and with cells; 48 prepared positions; three bodies.
-WANTED = {"lumped": 0.2, "pairs": 3.0, "prepared": 15.0, "bodies": 300.0}
-POSITIONS, TIMES = 48, 3
+#: Wanted, ms: a state with lumped contact, and with cells; 48 prepared positions; three bodies; a
+#: design with other errors of pins in a simulation (10⁴ of them in a minute).
+WANTED = {"lumped": 0.2, "pairs": 3.0, "prepared": 15.0, "bodies": 300.0, "design": 6.0}
+DESIGNS = 200
+POSITIONS, TIMES, FACTOR = 48, 3, "mesh_load_factor_max"
 QUIET = {"accuracy.estimate": False, "positions.count": POSITIONS}
 
 
@@ -51,6 +54,7 @@ def _lines() -> list[str]:
     key = "stage.pin_tangential_errors_um"
     changed = _least(lambda: prepared.solve({key: [next(errors), 0, 0, 0]}))
     lines.append(_row(f"{POSITIONS} positions, prepared", changed, WANTED["prepared"]))
+    lines.append(_row("a design of 48 positions, other pins", _design_s(lumped), WANTED["design"]))
 
     def bodies() -> None:
         clock = StageClock(None, MECHANISM.body_names, 1, {})
@@ -58,6 +62,19 @@ def _lines() -> list[str]:
 
     lines.append(_row("three bodies", _least(bodies), WANTED["bodies"]))
     return lines
+
+
+def _design_s(scene: fl.Scene) -> float:
+    """CPU seconds of a design of a simulation, beyond those of a shorter one."""
+    scatter = {"distribution": "normal", "mean": 0, "standard_deviation": 4}
+    pins = {f"stage.pin_tangential_errors_um[{j}]": scatter for j in range(4)}
+
+    def simulate(n: int) -> None:
+        with ThreadPoolExecutor(1) as pool:
+            fl.study(scene, pins, "random", n=n, quantities=[FACTOR], executor=pool)
+
+    few, many = (_least(partial(simulate, n)) for n in (2, 2 + DESIGNS))
+    return (many - few) / DESIGNS
 
 
 def _row(words: str, seconds: float, wanted_ms: float) -> str:
