@@ -187,6 +187,26 @@ def test_opposite_slopes_of_all_bodies_cancel():
     assert (alone.stage.mesh_face_load_factor > plain.stage.mesh_face_load_factor + 0.03).all()
 
 
+def test_both_flanks_of_a_planet():
+    """A slope of the flanks in mesh with the ring, against that of the ring: the other is plain."""
+    plain = stage()
+    sloped = stage(
+        body_2={"helix_slope_um": -10.0}, stage={"planet_ring_flank": {"helix_slope_um": 10.0}}
+    )
+    change = sloped.transmission_error_um - plain.transmission_error_um
+    np.testing.assert_allclose(change, 10.0, rtol=MOVED)
+    for kind in KINDS:
+        forces = line_loads(plain, 1, kind)
+        np.testing.assert_allclose(
+            line_loads(sloped, 1, kind), forces, rtol=0, atol=MOVED * forces.max()
+        )
+    # instead of those of [planet]
+    one = stage(planet={"lead_crowning_um": 8.0}, stage={"planet_ring_flank": {}})
+    sun, ring = (one.stage.mesh_face_load_factor - plain.stage.mesh_face_load_factor)[:, 0]
+    assert sun > 0.05
+    assert abs(ring) < 0.3 * sun
+
+
 def test_a_sun_that_tilts():
     """Planets in turn load it unevenly; a stiff spring holds it."""
     rigid = stage(stage={"floating": "none"})

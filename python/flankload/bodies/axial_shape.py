@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from flankload.bodies.flank_surface import FlankSurface
     from flankload.bodies.shaft import FlexibleShaft
     from flankload.scene.axial import AxialKeys
+    from flankload.scene.planet_flank import PlanetFlank
 
 
 @dataclass(frozen=True)
@@ -166,23 +167,27 @@ def axial_shape(
 
     The helix angle is that on the reference radius.
     """
+    return AxialShape(
+        range_mm,
+        keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm,
+        lead_of(keys),
+        tuple(slope / 1000.0 for slope in keys.tooth_helix_slope_um),
+        surface,
+        _shaft_of(keys, range_mm),
+        keys.regions_of(range_mm),
+    )
+
+
+def lead_of(keys: AxialKeys | PlanetFlank) -> LeadModifications:
+    """Modifications along the axis from keys."""
     one, two = keys.end_relief_um or (0.0, 0.0)
     lengths = keys.end_relief_length_mm or (1.0, 1.0)
-    lead = LeadModifications(
+    return LeadModifications(
         crowning_mm=(keys.lead_crowning_um or 0.0) / 1000.0,
         slope_mm=(keys.helix_slope_um or 0.0) / 1000.0,
         end_relief_mm=(one / 1000.0, two / 1000.0),
         end_relief_length_mm=(lengths[0], lengths[1]),
         end_relief_exponent=RELIEF_EXPONENTS[keys.end_relief_shape],
-    )
-    return AxialShape(
-        range_mm,
-        keys.hand_sign * tan(keys.helix_rad) / reference_radius_mm,
-        lead,
-        tuple(slope / 1000.0 for slope in keys.tooth_helix_slope_um),
-        surface,
-        _shaft_of(keys, range_mm),
-        keys.regions_of(range_mm),
     )
 
 

@@ -7,11 +7,13 @@ geometry is possible is checked by the packages `bodies` and `pairing`.
 from flankload.scene.accuracy import Accuracy
 from flankload.scene.belt import Belt, Pulley
 from flankload.scene.cam import Cam, Follower
+from flankload.scene.carrier import Carrier
 from flankload.scene.chain import Chain, Sprocket
 from flankload.scene.effects.keys import EffectsAsked as Effects
 from flankload.scene.gear import Gear, Ring
 from flankload.scene.mesh import ComplianceBody, MeshBody, Profile
 from flankload.scene.pair import Load, Positions
+from flankload.scene.planet_flank import PlanetFlank
 from flankload.scene.reader import SceneLike, read_scene, scene_of
 from flankload.scene.scene import BodySpec, Scene
 from flankload.scene.schema import scene_paths, scene_schema
@@ -33,6 +35,7 @@ __all__ = [
     "BodySpec",
     "Cam",
     "CamAndFollower",
+    "Carrier",
     "Chain",
     "ChainAndSprocket",
     "ComplianceBody",
@@ -42,6 +45,7 @@ __all__ = [
     "GearPair",
     "Load",
     "MeshBody",
+    "PlanetFlank",
     "PlanetaryStage",
     "Positions",
     "Profile",

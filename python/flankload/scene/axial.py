@@ -69,6 +69,7 @@ STAGE_KEYS = (
     "ring_tilt_stiffness_Nm_per_mrad",
     "pin_tangential_inclinations_um_per_mm",
     "pin_radial_inclinations_um_per_mm",
+    "planet_ring_flank",
     "carrier",
 )
 #: Keys of regions narrower or wider than the teeth, which require three dimensions.

@@ -19,6 +19,7 @@ from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.gear import Gear, Ring
 from flankload.scene.mates import check_base_pitches
 from flankload.scene.pair import USUAL_MISALIGNMENT, Misalignment
+from flankload.scene.planet_flank import PlanetFlank
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.table import (
     BODIES,
@@ -144,6 +145,13 @@ class Stage(Table, frozen=True, kw_only=True):
             usual=USUAL_MISALIGNMENT,
         ),
     ] = ()
+    planet_ring_flank: Annotated[
+        PlanetFlank | None,
+        about(
+            "modifications along the axis of the flanks of the planets in mesh with the ring; "
+            "absent = those of [planet], which otherwise belong to the other flanks"
+        ),
+    ] = None
     carrier: Annotated[
         Carrier | None,
         about("elastic carrier and pins; absent = rigid, but for the stiffness of pins"),
@@ -418,6 +426,10 @@ def _check_width(asked: SceneFile, why: str) -> None:
     if asked.effects.root_stress:
         expected = f"false, since {why} requires three dimensions: this version has the root stress"
         refuse("effects.root_stress", f"{expected} of plane stages", shown(value=True))
+    flank, pair = asked.stage.planet_ring_flank, asked.pair
+    if flank is not None and asked.planet is not None and pair is not None:
+        width = asked.planet.face_width_mm or pair.face_width_mm
+        flank.check(width, "stage.planet_ring_flank")
     if asked.stage.ring_support != "clamped":
         expected = f"'clamped', since {why} requires three dimensions: this version has rims that "
         expected += "bend in plane stages"

@@ -56,7 +56,7 @@ class AsScene:
             defaults = {key: field.default for key, field in fields_of(table).items()}
             own = {key: keys[key] for key in defaults if key in keys}
             own = {k: x for k, x in own.items() if x is not None and (x == defaults[k]) is not True}
-            tree |= {name: own} if own else {}
+            tree |= {name: {key: _tree(value) for key, value in own.items()}} if own else {}
         for name in WHOLE:
             tree |= {name: _tree(keys[name])} if keys[name] is not None else {}
         return tree

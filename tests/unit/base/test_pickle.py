@@ -81,6 +81,8 @@ def tables() -> dict[str, Any]:
         "Effects": scenes[0].effects,
         "Positions": scenes[0].positions,
         "Profile": next(one for one in profiles if isinstance(one, fl.Profile)),
+        "Carrier": fl.Carrier(plate_distance_mm=40.0, pin_diameter_mm=20.0),
+        "PlanetFlank": fl.PlanetFlank(helix_slope_um=5.0),
         "Shaft": fl.Shaft(diameters_mm=(30.0,), lengths_mm=(100.0,)),
     }
 

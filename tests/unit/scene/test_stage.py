@@ -124,6 +124,10 @@ def test_planets_that_collide():
             "planet.shaft: expected nothing with [stage]: the members of a stage are on the sup",
         ),
         (
+            {"stage": {"planet_ring_flank": {"end_relief_um": [5, 5]}}},
+            "stage.planet_ring_flank.end_relief_length_mm: expected a list of 2 numbers",
+        ),
+        (
             {"pair": {"inclination_um_per_mm": 0.1}},
             "pair.inclination_um_per_mm: expected nothing with [stage], which has several axes",
         ),

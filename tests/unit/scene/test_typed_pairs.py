@@ -72,6 +72,27 @@ def test_objects_make_the_scene_of_the_file(path: Path) -> None:
     assert fl.Scene.from_dict(tomllib.loads(pair.to_toml())).to_dict() == found.to_dict()
 
 
+def test_tables_of_a_stage() -> None:
+    gears = [fl.Gear(teeth=z, module_mm=3, tip_diameter_mm=d, bore_diameter_mm=20) for z, d in TWO]
+    ring = {"root_diameter_mm": 184.5, "outer_diameter_mm": 201}
+    stage = fl.PlanetaryStage(
+        *gears,
+        fl.Ring(teeth=59, module_mm=3, tip_diameter_mm=172.8, **ring),
+        planets=4,
+        carrier=fl.Carrier(plate_distance_mm=40, pin_diameter_mm=20),
+        planet_ring_flank=fl.PlanetFlank(helix_slope_um=5),
+        face_width_mm=20,
+        torque_Nm=600,
+    )
+    scene = stage.to_scene()
+    assert scene.stage is not None
+    assert scene.stage.carrier == fl.Carrier(plate_distance_mm=40, pin_diameter_mm=20)
+    assert fl.Scene.from_dict(tomllib.loads(stage.to_toml())) == scene
+
+
+TWO = ((25, 80.7), (17, 56.7))
+
+
 def test_typed_pairs_have_each_key_of_the_tables() -> None:
     """A new key of [pair], [load], [stage] or of a whole scene must reach the typed pairs."""
     bodies, stage = {"body_1", "planet", "body_2"}, fields_of(SceneFile)["stage"].type

@@ -10,6 +10,7 @@ import numpy as np
 from msgspec import structs
 
 from flankload.base.rotation import directions
+from flankload.bodies.axial_shape import lead_of
 from flankload.bodies.carrier import carrier_compliance
 from flankload.contact.stage_contact import StageContact
 from flankload.contact.stage_supports import StageSupports
@@ -236,6 +237,9 @@ def _slices(scene: Scene, bodies: tuple[Body, Body, Body]) -> tuple[Slices, Slic
         return only, only
     sun, planet, ring = (body.axial for body in bodies)
     images = planet.in_mirror_image(), ring.in_mirror_image()
+    if scene.stage is not None and scene.stage.planet_ring_flank is not None:
+        lead = lead_of(scene.stage.planet_ring_flank)
+        images = replace(images[0], lead=lead), images[1]
     one, two = (
         slices_of(
             shapes,
