@@ -22,7 +22,7 @@ from flankload.elasticity.finite_elements import (
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.mean_motion import bore_reactions
-from flankload.elasticity.near_field import loaded_edges, mirrored_loads
+from flankload.elasticity.near_field import coast_nodes, loaded_edges
 from flankload.elasticity.recovered_ring import RecoveredRing
 
 if TYPE_CHECKING:
@@ -112,14 +112,9 @@ class LoadedBody:
 def coast_edges(body: Body, mesh: SectorMesh, edges: Numbers) -> tuple[Numbers, int]:
     """Edges of the coast flank in a sector (mirror images), and the number of its tooth."""
     assert body.involute is not None
-    marks = np.zeros((2 * len(mesh.nodes), 1))
-    marks[2 * edges.ravel(), 0] = 1.0 + edges.ravel()
-    mirrored, tooth = mirrored_loads(mesh, marks, body.involute.turn_rad)
-    # the magnitude of a mark, which mirroring does not change, is the number of its node
-    source = np.rint(np.hypot(*mirrored.reshape(-1, 2).T)).astype(np.int64) - 1
-    image = np.full(len(mesh.nodes), -1)
-    image[source[source >= 0]] = np.flatnonzero(source >= 0)
-    return image[edges], tooth
+    nodes, place = np.unique(edges, return_inverse=True)
+    images, tooth = coast_nodes(mesh, nodes, body.involute.turn_rad)
+    return images[place.reshape(edges.shape)], tooth
 
 
 def loaded_body(body: Body, plane: str) -> LoadedBody:

@@ -32,6 +32,7 @@ from flankload.bodies.tip_modes import (
     tip_modes,
     tip_values,
 )
+from flankload.elasticity.fronts.mirror import axis_of, reflection
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -243,23 +244,24 @@ def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[
     flank belongs to another tooth. `center_rad`: polar angle of the centre of tooth 0, or of its
     space for internal teeth. Raises ValueError if a node of the flank has no mirror image.
     """
-    cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
-    axis = np.arctan2(*mesh.nodes[cuts].sum(axis=0)[::-1])
-    cosine, sine = np.cos(2 * axis), np.sin(2 * axis)
-    mirror = np.array([[cosine, sine, 0.0], [sine, -cosine, 0.0], [0.0, 0.0, -1.0]])
-    nodes = np.flatnonzero(loads.reshape(len(mesh.nodes), -1).any(axis=1))
-    images = mesh.nodes[nodes] @ mirror[:2, :2]
-    # faster than the import of a search tree
-    image = np.array([np.argmin(((mesh.nodes - place) ** 2).sum(axis=1)) for place in images])
-    apart = np.hypot(*(mesh.nodes[image] - images).T)
-    if apart.max() > MIRROR_TOLERANCE * float(np.abs(mesh.nodes).max()):
-        raise ValueError("mesh: expected a sector whose halves are mirror images")
-    size = len(loads) // len(mesh.nodes)
-    mirrored = np.zeros((len(mesh.nodes), size, loads.shape[1]))
-    on_flank = loads.reshape(mirrored.shape)[nodes]
-    mirrored[image] = np.einsum("ij,njp->nip", mirror[:size, :size], on_flank)
-    tooth = round(float(axis - center_rad) * mesh.teeth / np.pi)
+    by_node = loads.reshape(len(mesh.nodes), -1, loads.shape[1])
+    nodes = np.flatnonzero(by_node.any(axis=(1, 2)))
+    images, tooth = coast_nodes(mesh, nodes, center_rad)
+    mirrored = np.zeros_like(by_node)
+    mirrored[images] = reflection(mesh, 1, by_node.shape[1], twisted=True) @ by_node[nodes]
     return mirrored.reshape(loads.shape), tooth
+
+
+def coast_nodes(mesh: SectorMesh, nodes: Numbers, center_rad: float) -> tuple[Numbers, int]:
+    """Mirror images (n,) of nodes of the flank, and the tooth as of `mirrored_loads`."""
+    turn = reflection(mesh, 1, 2, twisted=True)
+    # faster than the import of a search tree
+    apart = [((mesh.nodes - place) ** 2).sum(axis=1) for place in mesh.nodes[nodes] @ turn]
+    images = np.array([distance.argmin() for distance in apart])
+    largest = max(float(distance.min()) for distance in apart)
+    if largest > (MIRROR_TOLERANCE * float(np.abs(mesh.nodes).max())) ** 2:
+        raise ValueError("mesh: expected a sector whose halves are mirror images")
+    return images, round((axis_of(mesh) - center_rad) * mesh.teeth / np.pi)
 
 
 def projected_logarithm(n_modes: int, length_mm: float, *, closed: bool = False) -> Floats:
