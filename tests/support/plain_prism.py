@@ -55,10 +55,14 @@ def full_prism_ring(
     *,
     twist: float,
     load_degree: int,
+    sectors: int | None = None,
 ) -> np.ndarray:
-    """Response of all teeth of the whole meshed ring to the modes on tooth 0, (z, p, p)."""
-    count, pieces = len(mesh.nodes), []
-    angles = 2 * np.pi * np.arange(mesh.teeth) / mesh.teeth
+    """Response of all teeth of the whole meshed ring to the modes on tooth 0, (z, p, p).
+
+    `sectors`: number of those of an open row whose ends are held, instead of the ring.
+    """
+    count, teeth = len(mesh.nodes), mesh.teeth if sectors is None else sectors
+    angles = 2 * np.pi * np.arange(teeth) / mesh.teeth
     turns = [np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]]) for a in angles]
     pieces = [mesh.nodes @ turn for turn in turns]
     every = np.vstack(pieces)
@@ -67,7 +71,7 @@ def full_prism_ring(
     nodes = np.zeros((number.max() + 1, 2))
     nodes[number] = every
     ((kind, data),) = mesh.cells
-    cells = number[np.vstack([data + tooth * count for tooth in range(mesh.teeth)])]
+    cells = number[np.vstack([data + tooth * count for tooth in range(teeth)])]
     section = section_stiffness(nodes, ((kind, cells),), STEEL, twist)
     own = mode_loads(mesh, span, n_modes, twist=twist).reshape(count, 3, n_modes)
     loads = []
@@ -77,7 +81,10 @@ def full_prism_ring(
         column = np.zeros((len(nodes), 3, n_modes))
         np.add.at(column, number[tooth * count : (tooth + 1) * count], turned)
         loads.append(product_loads(column.reshape(-1, n_modes), axial.load_vectors(load_degree)))
-    held = np.concatenate([number[mesh.fixed_nodes + t * count] for t in range(mesh.teeth)])
+    held = np.concatenate([number[mesh.fixed_nodes + t * count] for t in range(teeth)])
+    if sectors is not None:
+        ends = mesh.left_nodes, mesh.right_nodes + (sectors - 1) * count
+        held = np.concatenate([held, *(number[end] for end in ends)])
     moved = solved(
         whole_stiffness(section, axial), loads[0], unknowns(np.unique(held), axial.count)
     )

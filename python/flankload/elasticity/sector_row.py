@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.elasticity.condensed_sector import turned_cuts
+from flankload.elasticity.sector_closure import close_ring
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -92,6 +93,22 @@ def open_row(sector: CondensedSector, cells: int, turn_rad: float) -> Floats:
     cell = RowCell(sector.local, carried, stiffness)
     row = row_response([cell] * cells)
     return row.reshape(cells, -1, cells, cell.loads).transpose(0, 2, 1, 3).copy()
+
+
+def teeth_response(sector: CondensedSector, teeth: int, sectors: int | None) -> Floats:
+    """Response (z, r, p) of all teeth to the loads on tooth 0.
+
+    `sectors`: odd number of elastic sectors of a segment, 1 for a single tooth with fixed cuts,
+    None for the whole ring.
+    """
+    if sectors is None:
+        return close_ring(sector, teeth)
+    if sectors > 1:
+        return segment_response(sector, teeth, sectors)
+    own = np.concatenate(sector.local)
+    response = np.zeros((teeth, *own.shape))
+    response[0] = own
+    return response
 
 
 def segment_response(sector: CondensedSector, teeth: int, cells: int) -> Floats:

@@ -295,6 +295,7 @@ def prism_of(body: Body, scene: Scene) -> Prism:
         load_degree=load_degree,
         regions=axial.regions,
         shaft=axial.flexible,
+        sectors=scene.sectors,
     )
 
 

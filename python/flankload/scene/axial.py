@@ -41,7 +41,6 @@ PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
-    "body": "three-dimensional bodies with all their teeth",
     "support_expansion_per_K": "bodies that expand as their supports do",
     "speed_rpm": "centrifugal expansion of plane bodies only",
 }

@@ -219,6 +219,24 @@ def test_stress_and_friction_go_with_a_segment() -> None:
     assert found.cost["stress_recoveries"] == whole_stress.cost["stress_recoveries"]
 
 
+@pytest.mark.parametrize("part", [{"body": "segment", "segment_teeth": 3}, {"body": "tooth"}])
+def test_segments_in_three_dimensions_are_as_stiff_as_those_of_the_section(
+    part: dict[str, Any],
+) -> None:
+    """Rotation of a spur pair beside that of whole bodies; the held ends carry at all z."""
+    accuracy = {"flank_element_mm": 3.0, "modes": 3, "estimate": False, "tangents": False}
+    changes = []
+    for dimension in (2, 3):
+        tables = changed(accuracy=accuracy, positions={"angles_deg": [0.0]})
+        whole, held = (
+            fl.solve(fl.Scene.from_dict(tables | {"effects": {"dimension": dimension} | extent}))
+            for extent in ({}, part)
+        )
+        changes.append(held.rotation_rad[0] / whole.rotation_rad[0] - 1.0)
+    assert changes[1] < -0.1
+    assert changes[1] == pytest.approx(changes[0], rel=0.05)
+
+
 def test_a_file_is_uncoupled_as_elements_are(tmp_path: Path) -> None:
     """Own teeth of a compliance file, against those of the elements that it was written from."""
     from flankload.cli import main

@@ -185,6 +185,19 @@ OTHER_STARTS = "(or tip_relief_start_roll_angle_deg, tip_relief_length_mm, tip_r
             "'torque'",
         ),
         (
+            {
+                "body_1__shaft": {
+                    **{"diameters_mm": [30.0], "lengths_mm": [100.0], "gear_position_mm": 50.0},
+                    **{"bearing_positions_mm": [0.0, 100.0], "under_teeth": "flexible"},
+                    **{"radial_stiffness_N_per_um": [200.0, 200.0], "torque_end": "I"},
+                },
+                "effects__body": "tooth",
+            },
+            "effects.body",
+            "'whole', since body_1.shaft.under_teeth is 'flexible': a segment is held at its bore",
+            "'tooth'",
+        ),
+        (
             {"body_2": {**RING, "rim": "torque"}, "effects__body": "tooth"},
             "effects.body",
             "'whole', since body_2.rim is 'torque': a segment is held at its cuts",

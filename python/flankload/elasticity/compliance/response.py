@@ -14,12 +14,11 @@ from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.mean_motion import bore_reactions, resultants, rim_forces
 from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
-    close_ring,
     condense,
     uniform_response,
     unknowns_of,
 )
-from flankload.elasticity.sector_row import segment_response
+from flankload.elasticity.sector_row import teeth_response
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -141,8 +140,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
 def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: bool) -> Response:
     """Response of a body of equal sectors.
 
-    `sectors`: odd number of elastic sectors of a segment, 1 for a single tooth, None for the whole
-    ring.
+    `sectors`: as of `teeth_response`.
     """
     log, loads = job.log, job.unit_loads(mesh)
     readings, tooth, across, rim = {}, 0, None, None
@@ -160,8 +158,6 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
     by_force = job.no_forces
     if sectors == 1:
         sector, free = condense(job.stiffness, loads, mesh, readings, log, held=True)
-        response = np.zeros((mesh.teeth, *np.concatenate(sector.local).shape))
-        response[0] = np.concatenate(sector.local)
     else:
         if job.forces is not None:
             readings["fe_load_cases_growth"] = job.forces
@@ -172,10 +168,7 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: 
         sector, free = condense(job.stiffness, loads, mesh, readings, log, reactions)
         if job.forces is not None:
             by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
-        if sectors is None:
-            response = close_ring(sector, mesh.teeth)
-        else:
-            response = segment_response(sector, mesh.teeth, sectors)
+    response = teeth_response(sector, mesh.teeth, sectors)
     if job.rim:
         assert isinstance(job.loads, ModeLoads)
         response, rim = _split_rim(response, job.loads, mesh, loads, modes)

@@ -59,11 +59,11 @@ from flankload.elasticity.prism.flexible_bore import FlexibleBore
 from flankload.elasticity.prism.prism import COMPONENTS
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.elasticity.sector_closure import (
-    close_ring,
     condense_sector,
     made_symmetric,
     unknowns_of,
 )
+from flankload.elasticity.sector_row import teeth_response
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def prism_compliance(
         return no_compliance(body)
     log, modes = JobLog(account), n_modes if body.tip is None else with_tip(n_modes)
     loads, tooth = _flank_loads(body, prism, modes, friction=friction, coast_flanks=coast_flanks)
-    response, of_roots = _ring_responses(body, prism, loads, log, fillets)
+    response, of_roots = _responses(body, prism, loads, log, fillets)
     surface = flank_surface(body, prism)
     found = _compliance(body, prism, surface, response, log, friction=friction, tooth=tooth)
     fe_error = None
@@ -151,7 +151,8 @@ def _compliance(
         along = np.ascontiguousarray(blocks[:, :p, p:]) if friction else None
         coast = CoastCompliance(np.ascontiguousarray(blocks[:, :p, :p]), along)
         log.account.count(coast_readings=q)
-    unknowns = unknowns_of(_sector_of(body), per_node=COMPONENTS * (prism.degree + 1))
+    per_node = COMPONENTS * (prism.degree + 1)
+    unknowns = unknowns_of(_sector_of(body), held=prism.sectors == 1, per_node=per_node)
     log.account.count(fe_unknowns=unknowns, fe_solutions=columns)
     log.count_loads(q, friction=friction)
     log.end_step("near field")
@@ -283,10 +284,10 @@ def _flank_loads(
     return _prism_loads(in_plane, along), tooth
 
 
-def _ring_responses(
+def _responses(
     body: Body, prism: Prism, loads: Floats, log: JobLog, fillets: RootFillets | None
 ) -> tuple[Floats, Floats]:
-    """Readings B'C_t B (z, q, q) of the loads on the closed ring, and of the roots (z, r, q)."""
+    """Readings B'C_t B (z, q, q) of the loads on all teeth, and of the roots (z, r, q)."""
     mesh, count, bore = _sector_of(body), loads.shape[2], None
     section, regions = prism.section(mesh, body.material)
     reactions = bore_reactions(mesh, section, body.material.young_modulus_MPa)
@@ -305,10 +306,14 @@ def _ring_responses(
         readings[0][nodes.nodes] = stress.T.reshape(nodes.nodes.size, -1, len(stress))
         log.account.count(stress_recoveries=fillets.points.arc_length_mm.size)
     log.end_step("assembly")
-    sector = condense_sector(section, mesh, loads, readings, log, reactions)
+    tooth = prism.sectors == 1
+    sector = condense_sector(section, mesh, loads, readings, log, reactions, held=tooth)
     # most matrices are too small for several threads
     with one_blas_thread():
-        response = close_ring(sector, mesh.teeth) if bore is None else bore.close_ring(sector)
+        if bore is None:
+            response = teeth_response(sector, mesh.teeth, prism.sectors)
+        else:
+            response = bore.close_ring(sector)
     log.end_step("ring")
     return response[:, :count], response[:, count:]
 

@@ -42,6 +42,8 @@ class Prism:
         Axial ranges of regions of the mesh that differ from `range_mm`, by name.
     shaft : FlexibleShaft or None
         Shaft that the bore follows; None: fixed bore.
+    sectors : int or None
+        Elastic sectors of the body, as of `teeth_response`; all on a shaft that the bore follows.
     """
 
     range_mm: tuple[float, float]
@@ -51,6 +53,7 @@ class Prism:
     cut_degree: int = 4
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
     shaft: FlexibleShaft | None = None
+    sectors: int | None = None
 
     @property
     def axial(self) -> AxialBasis:

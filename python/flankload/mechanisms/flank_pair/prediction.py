@@ -84,10 +84,13 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         estimated = scene.accuracy.estimate and _is_estimated(pair, z)
         degrees = degrees_of(scene.accuracy)
         found = _prism(body, work, modes, degrees, estimated)
+        assert isinstance(body.mesh, SectorMesh)
+        held, per_node = pair.effects.single_tooth, 3 * (degrees[0] + 1)
+        found["fe_unknowns"] = unknowns_of(body.mesh, held=held, per_node=per_node)
         found["stress_recoveries"] = recovered = places if work.recoveries else 0
         counted = _without_unasked(found, pair.effects)
-        held = _prism_bytes(body, counted, recovered * (degrees[0] + 1))
-        return found | {"bytes": held + _coast_bytes(body, job, counted["unit_loads_normal"])}
+        stored = _prism_bytes(body, counted, recovered * (degrees[0] + 1))
+        return found | {"bytes": stored + _coast_bytes(body, job, counted["unit_loads_normal"])}
     # a sharp tip moves along the flank, too
     corners = not pair.effects.nodal_near_field and has_turned_forces(body)
     if body.mesh is None:
@@ -190,15 +193,14 @@ def _prism(
 
     An estimate of the error of its elements is one of the plane section.
     """
-    degree, load_degree = degrees
+    _, load_degree = degrees
     of_profile = [round(part) * modes for part in _loads(work)]
     normal, tangential = (part * (load_degree + 1) for part in of_profile)
     factorisations = (2 if body.axial.symmetric else 1) + estimated
     coast = round(work.coast_readings) * (normal + tangential)
     found = _solved(factorisations, normal, tangential, coast_readings=coast)
     found["fe_solutions"] += sum(of_profile) * estimated
-    assert isinstance(body.mesh, SectorMesh)
-    return found | {"fe_unknowns": unknowns_of(body.mesh, per_node=3 * (degree + 1))}
+    return found
 
 
 def _loads(work: Work) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from flankload.scene.axial import three_dimensional_key
+from flankload.scene.axial import AxialKeys, three_dimensional_key
 from flankload.scene.belt import Belt
 from flankload.scene.drive import DriveTable
 from flankload.scene.effects.keys import LARGEST_COEFFICIENT
@@ -124,6 +124,8 @@ def _check_extent(asked: SceneFile) -> None:
         elif spec.has_free_bore:
             own = "rim" if spec.kind == "ring" else "bore"
             why = f"{name}.{own} is 'torque': a segment is held at its cuts"
+        elif isinstance(spec, AxialKeys) and spec.shaft is not None and spec.shaft.is_flexible:
+            why = f"{name}.shaft.under_teeth is 'flexible': a segment is held at its bore"
         elif isinstance(spec, MeshBody) and spec.flank_sets is not None:
             why = f"{name}.flank_sets names the flanks of a whole body, not of one of its sectors"
         elif segment_teeth is not None and segment_teeth > spec.number_of_teeth:

@@ -19,6 +19,7 @@ from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.fronts.mirror import images_of
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_row import open_row
 from tests.support.plain_prism import (
     full_prism_ring,
     product_loads,
@@ -97,6 +98,15 @@ def test_closed_ring_of_prisms_equals_the_meshed_ring(twist: float) -> None:
     # cuts that follow lower degrees are stiffer, and little
     fewer = close_ring(_condensed(mesh, span, twist=twist, cut_degree=1), TEETH)
     assert 1e-6 < (expected - fewer)[0, 0, 0] / expected[0, 0, 0] < 0.05
+
+
+@pytest.mark.parametrize("sectors", [1, 3])
+def test_open_row_of_prisms_equals_the_meshed_row(sectors: int) -> None:
+    mesh, span = ring_sector(TEETH, rows=2, columns=4)
+    sector = _condensed(mesh, span, twist=0.04)
+    found = open_row(sector, sectors, 2.0 * np.pi / TEETH)[:, 0]
+    expected = full_prism_ring(mesh, span, 3, AXIAL, twist=0.04, load_degree=2, sectors=sectors)
+    assert np.abs(found - expected).max() <= CLOSURE * np.abs(expected).max()
 
 
 def test_the_two_halves_of_a_straight_prism_are_the_whole() -> None:
