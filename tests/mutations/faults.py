@@ -886,7 +886,7 @@ _PYTHON = (
     *_in(
         "studies/design/store.py",
         "unit/studies/test_design_study.py",
-        ("options, named, files)", "options, named)"),
+        ("scene.tables, named, files)", "scene.tables, named)"),
         ("found != [0, 0, 0]", "False"),
         ("INSERT OR REPLACE", "INSERT OR IGNORE"),
     ),
