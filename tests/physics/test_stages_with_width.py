@@ -207,6 +207,19 @@ def test_both_flanks_of_a_planet():
     assert abs(ring) < 0.3 * sun
 
 
+def test_each_mesh_has_an_estimate():
+    """It covers the change by twice as many slices; under no torque there is none."""
+    scene = {"stage": TILTING, "load": {"torque_Nm": [0, 450]}}
+    rough = solve(fl.Scene.from_dict(wide(**scene, accuracy={"estimate": True})))
+    fine = stage(stage=TILTING, accuracy={"slices": 10})
+    for kind in KINDS:
+        mesh, finer = rough[1].mesh(1, kind), fine.mesh(1, kind)
+        change = mesh.slices.face_load_factor / finer.slices.face_load_factor - 1
+        assert abs(change) < mesh.estimate["face_load_factor"] < 1.0
+        assert rough[0].mesh(1, kind).estimate is None
+    assert "meshes" not in rough[1].estimate
+
+
 def test_a_sun_that_tilts():
     """Planets in turn load it unevenly; a stiff spring holds it."""
     rigid = stage(stage={"floating": "none"})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.status import on_corner
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.stage.assembly import StageAssembly
+from flankload.mechanisms.stage.estimates import OF_MESHES
 from flankload.mechanisms.stage.over_width import loads_over_width
 from flankload.mechanisms.stage.planet_bending import bending_of_planets
 from flankload.mechanisms.stage.rim import motion_of_rim
@@ -37,15 +38,27 @@ if TYPE_CHECKING:
 
 
 class MeshResults(Sequence[Result]):
-    """Results of the meshes of a stage, each made when it is read."""
+    """Results of the meshes of a stage, each made when it is read.
+
+    `estimates`: of the meshes, or empty.
+    """
 
     def __init__(
-        self, scene: Scene, assembly: StageAssembly, compliances: Compliances, found: StageSweep
+        self,
+        scene: Scene,
+        assembly: StageAssembly,
+        compliances: Compliances,
+        found: StageSweep,
+        estimates: Sequence[Mapping[str, object]],
     ) -> None:
-        self._made = scene, assembly, compliances, found
+        self._made, self._estimates = (scene, assembly, compliances, found), estimates
 
     def __len__(self) -> int:
         return len(self._made[3].meshes)
+
+    def _of(self, m: int) -> Result:
+        estimate = self._estimates[m] if self._estimates else None
+        return mesh_result(*self._made, m, estimate)
 
     @overload
     def __getitem__(self, index: int) -> Result: ...
@@ -56,8 +69,8 @@ class MeshResults(Sequence[Result]):
     def __getitem__(self, index: int | slice) -> Result | Sequence[Result]:
         which = range(len(self))[index]
         if isinstance(which, range):
-            return tuple(mesh_result(*self._made, m) for m in which)
-        return mesh_result(*self._made, which)
+            return tuple(self._of(m) for m in which)
+        return self._of(which)
 
 
 def stage_results(
@@ -103,7 +116,9 @@ def _result(
         period_rad=assembly.period_rad,
         closed=assembly.closed,
         face_width_mm=assembly.face_width_mm,
-        estimate=estimate,
+        estimate=None
+        if estimate is None
+        else {name: part for name, part in estimate.items() if name != OF_MESHES},
         cost={
             "positions": planets.status.size,
             "of_this_torque": dict(zip(CORE_COUNTERS, counters, strict=True)),
@@ -113,14 +128,18 @@ def _result(
         },
         warnings=assembly.notes,
         drawing=_drawing(assembly),
-        drive=_loads(scene, assembly, contact, found),
+        drive=_loads(scene, assembly, contact, found, (estimate or {}).get(OF_MESHES, ())),
     )
 
 
 def _loads(
-    scene: Scene, assembly: StageAssembly, contact: StageContact, found: StageSweep
+    scene: Scene,
+    assembly: StageAssembly,
+    contact: StageContact,
+    found: StageSweep,
+    of_meshes: Any,
 ) -> StageLoads:
-    """Loads of the members."""
+    """Loads of the members; `of_meshes`: error estimates of the meshes, or empty."""
     compliances = contact.compliances
     pairing, n = assembly.pairing, assembly.pairing.count
     sun_force, force = found.planets.site_force_N, found.resultants
@@ -158,7 +177,7 @@ def _loads(
         sun_mesh_sliding_loss_Nm=with_sun,
         ring_mesh_sliding_loss_Nm=with_ring,
         planet_bending=bending_of_planets(assembly, compliances[1], found),
-        meshes=MeshResults(scene, assembly, compliances, found),
+        meshes=MeshResults(scene, assembly, compliances, found, of_meshes),
     )
 
 
@@ -229,7 +248,12 @@ def _drawing(assembly: StageAssembly) -> PairDrawing:
 
 
 def mesh_result(
-    scene: Scene, assembly: StageAssembly, compliances: Compliances, found: StageSweep, m: int
+    scene: Scene,
+    assembly: StageAssembly,
+    compliances: Compliances,
+    found: StageSweep,
+    m: int,
+    estimate: Mapping[str, object] | None = None,
 ) -> Result:
     """Ordinary result of one mesh, at its own positions."""
     mesh, own_mesh = assembly.pairing.meshes[m], assembly.meshes[m]
@@ -251,7 +275,7 @@ def mesh_result(
     )
     own = compliances[first], compliances[first + 1]
     result = result_of(
-        scene, pair, own, found.meshes[m], estimate=None, geometry=pair_geometry(pair, own)
+        scene, pair, own, found.meshes[m], estimate=estimate, geometry=pair_geometry(pair, own)
     )
     which = "ring" if mesh.with_ring else "sun"
     unknown = np.full(assembly.position_rad.size, np.nan)

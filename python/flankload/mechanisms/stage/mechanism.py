@@ -9,6 +9,7 @@ from flankload.mechanisms.protocol import Displaced
 from flankload.mechanisms.stage import body_files as files
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.description import data_sheet, describe
+from flankload.mechanisms.stage.estimates import error_estimates
 from flankload.mechanisms.stage.from_states import stage_results
 from flankload.mechanisms.stage.modes import stage_modes
 from flankload.mechanisms.stage.premises import broken_by_geometry, broken_by_load
@@ -19,7 +20,6 @@ from flankload.mechanisms.stage.states import (
     compliances_of,
     counted_work,
     displaced_states,
-    error_estimates,
     record_files,
     stage_states,
     stage_sweeps,

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
 from msgspec import structs
 
-from flankload.analysis.estimate import MOST_SWEEPS, estimate_errors
-from flankload.analysis.lumped_error import measured_error
+from flankload.analysis.estimate import MOST_SWEEPS
 from flankload.contact.record_files import stage_records
 from flankload.contact.stage_contact import (
     StageContact,
@@ -21,9 +19,6 @@ from flankload.cost import held_bytes
 from flankload.elasticity.bolts import Bolts, on_bolts
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.elements import (
-    account_errors_of_elements,
-    reduced_compliances,
-    reduced_over_width,
     solve_bodies,
 )
 from flankload.mechanisms.flank_pair.prediction import SLICE_VARIANTS, work_of_elements
@@ -35,7 +30,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flankload.base.arrays import Floats
-    from flankload.contact.sweep import Sweep
     from flankload.mechanisms.protocol import Counted, States
     from flankload.mechanisms.reuse import Parts
     from flankload.mechanisms.stage_clock import Kept
@@ -167,51 +161,3 @@ def record_files(scene: Scene) -> Mapping[str, Floats]:
     assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
     contact = assembly.contact(scene, compliances)
     return stage_records(contact, assembly.position_rad, scene.torques_Nmm)
-
-
-def error_estimates(
-    scene: Scene,
-    assembly: StageAssembly,
-    compliances: Compliances,
-    states: StageStates,
-    clock: StageClock,
-) -> list[Mapping[str, object] | None]:
-    """Estimate the errors of the states, one entry per torque: as of a pair, over all meshes."""
-    contact, torques = states.contact, scene.torques_Nmm
-    lumped, grid = contact.level == "lumped", contact.grid
-    weights = np.full(assembly.position_rad.size, 1.0 / assembly.position_rad.size)
-    planets = tuple(one.planets for one in states.found)
-    with clock.stage("estimate") as account:
-
-        def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
-            again = sweep_stage(
-                replace(contact, **other),
-                assembly.position_rad,
-                torques,
-                keep_pairs=False,
-                account=account,
-                progress=clock.sweep_progress("estimate", sweep=part),
-            )
-            return tuple(one.planets for one in again)
-
-        estimated = estimate_errors(
-            planets,
-            run_again,
-            compliances,
-            grid if lumped else grid.coarser(),
-            weights,
-            variants=_variants(assembly, compliances),
-            lumped=(lambda t: measured_error(planets[t], compliances)) if lumped else None,
-        )
-    account_errors_of_elements(clock, NAMES, compliances)
-    return [one.as_dict() for one in estimated]
-
-
-def _variants(assembly: StageAssembly, compliances: Compliances) -> dict[str, Mapping[str, object]]:
-    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
-    found: dict[str, Mapping[str, object]] = {**reduced_compliances(compliances)}
-    if assembly.slices[0].plane:
-        return found
-    one, two = assembly.slices
-    coarser = replace(assembly, slices=(one.coarser(), two.coarser()))
-    return found | reduced_over_width(compliances, {"meshes": coarser.meshes})

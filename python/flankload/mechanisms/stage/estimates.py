@@ -1,0 +1,141 @@
+"""Error estimates of a planetary stage, and of its meshes over their width."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flankload.analysis.estimate import estimate_errors
+from flankload.analysis.lumped_error import measured_error
+from flankload.contact.stage_contact import sweep_stage
+from flankload.errors import ContactError
+from flankload.mechanisms.elements import (
+    account_errors_of_elements,
+    reduced_compliances,
+    reduced_over_width,
+)
+from flankload.mechanisms.stage.assembly import NAMES, StageAssembly
+from flankload.mechanisms.stage.over_width import weights_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flankload.analysis.error_rules import RemainingError
+    from flankload.contact.stage_contact import StageSweep
+    from flankload.contact.sweep import Sweep
+    from flankload.mechanisms.stage.states import Compliances, StageStates
+    from flankload.mechanisms.stage_clock import StageClock
+    from flankload.scene import Scene
+
+    Variants = Mapping[str, Mapping[str, object]]
+
+#: Key of the estimates of the meshes in that of a stage with width.
+OF_MESHES = "meshes"
+
+
+def error_estimates(
+    scene: Scene,
+    assembly: StageAssembly,
+    compliances: Compliances,
+    states: StageStates,
+    clock: StageClock,
+) -> list[Mapping[str, object] | None]:
+    """Estimate the errors of the states, one entry per torque: as of a pair, over all meshes.
+
+    With a width also those of each mesh under a torque, by the same reduced sweeps, as `OF_MESHES`.
+    """
+    contact, torques = states.contact, scene.torques_Nmm
+    lumped, grid = contact.level == "lumped", contact.grid
+    plane, variants = assembly.slices[0].plane, _variants(assembly, compliances)
+    weights = np.full(assembly.position_rad.size, 1.0 / assembly.position_rad.size)
+    planets = tuple(one.planets for one in states.found)
+    reduced: dict[int, tuple[StageSweep, ...]] = {}
+    with clock.stage("estimate") as account:
+
+        def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
+            reduced[part] = sweep_stage(
+                replace(contact, **other),
+                assembly.position_rad,
+                torques,
+                # by which the moments on members are known
+                keep_pairs=not plane,
+                account=account,
+                progress=clock.sweep_progress("estimate", sweep=part),
+            )
+            return tuple(one.planets for one in reduced[part])
+
+        estimated = estimate_errors(
+            planets,
+            run_again,
+            compliances,
+            grid if lumped else grid.coarser(),
+            weights,
+            variants=variants,
+            lumped=(lambda t: measured_error(planets[t], compliances)) if lumped else None,
+        )
+        found: list[dict[str, object]] = [one.as_dict() for one in estimated]
+        if not plane:
+            for t, of_meshes in enumerate(_of_meshes(assembly, states, variants, reduced)):
+                found[t][OF_MESHES] = of_meshes
+    account_errors_of_elements(clock, NAMES, compliances)
+    return list(found)
+
+
+def _of_meshes(
+    assembly: StageAssembly,
+    states: StageStates,
+    variants: Variants,
+    reduced: Mapping[int, Sequence[StageSweep]],
+) -> list[tuple[Mapping[str, object], ...]]:
+    """Estimates of the meshes under each torque; empty without torque."""
+    contact, weights = states.contact, weights_of(assembly)
+    found: list[tuple[Mapping[str, object], ...]] = [()] * len(states.found)
+    loaded = [t for t, one in enumerate(states.found) if one.planets.torque_Nmm > 0]
+    for m, mesh in enumerate(contact.pairing.meshes if loaded else ()):
+        own = contact.compliances[1:] if mesh.with_ring else contact.compliances[:2]
+        estimated = estimate_errors(
+            tuple(states.found[t].meshes[m] for t in loaded),
+            partial(_again, reduced, loaded, m),
+            own,
+            contact.grid,
+            weights,
+            variants=variants,
+            lumped=partial(_lumped, states, loaded, m) if contact.level == "lumped" else None,
+        )
+        for t, one in zip(loaded, estimated, strict=True):
+            found[t] = (*found[t], one.as_dict())
+    return found
+
+
+def _again(
+    reduced: Mapping[int, Sequence[StageSweep]],
+    loaded: Sequence[int],
+    m: int,
+    *,
+    part: int,
+    **other: Any,
+) -> tuple[Sweep, ...]:
+    """Sweeps of a mesh in the reduced sweep of the stage with this number."""
+    if part not in reduced:
+        raise ContactError("the reduced sweep of the stage does not converge")
+    return tuple(reduced[part][t].meshes[m] for t in loaded)
+
+
+def _lumped(
+    states: StageStates, loaded: Sequence[int], m: int, t: int
+) -> dict[str, RemainingError]:
+    """Errors of the lumped contacts of a mesh."""
+    return measured_error(states.found[loaded[t]].meshes[m], states.contact.compliances)
+
+
+def _variants(assembly: StageAssembly, compliances: Compliances) -> dict[str, Mapping[str, object]]:
+    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
+    found: dict[str, Mapping[str, object]] = {**reduced_compliances(compliances)}
+    if assembly.slices[0].plane:
+        return found
+    one, two = assembly.slices
+    coarser = replace(assembly, slices=(one.coarser(), two.coarser()))
+    return found | reduced_over_width(compliances, {"meshes": coarser.meshes})
