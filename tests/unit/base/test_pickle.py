@@ -19,6 +19,7 @@ import flankload as fl
 from flankload import errors
 from flankload.studies.accuracy import accuracy
 from tests.support.paths import SCENES
+from tests.support.planetary_stages import four
 from tests.support.small_job import SCENE
 
 WAYS: dict[str, Callable[[Any], Any]] = {
@@ -115,6 +116,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "Robust": fl.robust(scene, {"load.torque_Nm": norm(302, 3)}),
         "Scene": scene,
         "Sensitivity": fl.sensitivity(scene, ["load.torque_Nm"]),
+        "StageModes": fl.natural_modes(four(accuracy={"flank_element_mm": 3.0}))[0],
         "AccuracyStudy": accuracy(scene, ("transmission_error",), 1e-9),
         "Verification": fl.verify(
             wheels,
