@@ -119,6 +119,9 @@ def test_planets_in_phase_are_alike(tilting):
             )
     tilts = found.stage.planet_tilt_urad[0] @ [1, 1j] * np.exp(-2j * np.pi * np.arange(3) / 3)
     np.testing.assert_allclose(tilts, tilts[0], rtol=TURNED)
+    loads = [found.mesh(1, kind).summary["peak_line_load_N_per_mm"] for kind in KINDS]
+    assert found.summary["peak_line_load_N_per_mm"] == pytest.approx(max(loads), rel=TURNED)
+    assert "sun_orbit" not in found.engagement.pictures(found)
     assert abs(tilts[0]) > 100 if tilting else abs(tilts[0]) == 0
 
 

@@ -143,6 +143,10 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
     share = _value(lambda one: 100 * one.summary["load_share_max"], ".2f", "load_share")
     yield "largest share of the force", "", "%", share
     yield "mesh load factor, largest", "K_γ", "", _entry("mesh_load_factor_max", ".4f")
+    for kind in ("sun", "ring"):
+        factor = _entry(f"{kind}_mesh_face_load_factor_max", ".3f")
+        yield f"face load factor of the meshes with the {kind}, largest", "K_Hβ", "", factor
+    yield "tilt of a planet, largest", "", "µrad", _entry("planet_tilt_max_urad", ".4g")
     yield "largest force on a pin", "", "N", _entry("pin_force_max_N", ".4g")
     yield "displacement of the sun, largest", "", "µm", _entry("sun_orbit_max_um", ".2f")
     rim = _entry("ring_deflection_max_um", ".2f", positive=True)

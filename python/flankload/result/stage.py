@@ -27,6 +27,8 @@ MESHES = ("sun", "ring")
 EQUALLY_SPACED = 1e-9
 #: Members that can float.
 MEMBERS = ("sun", "ring", "carrier")
+#: Smaller orbits than this part of the transmission error are rounding errors, which are not drawn.
+LEAST_ORBIT = 1e-9
 #: Largest order of the mesh frequency in the summary.
 HIGHEST_ORDER = 12
 
@@ -227,7 +229,8 @@ class StageLoads(Drive):
     def own_pictures(self, result: Result) -> tuple[str, ...]:
         several = result.position_rad.size > 1
         names = ("transmission_error", "planet_load_share") * several
-        orbit = ("sun_orbit",) * bool(several and self.sun_orbit_um.any())
+        least_um = LEAST_ORBIT * np.abs(result.transmission_error_um).max()
+        orbit = ("sun_orbit",) * bool(several and np.abs(self.sun_orbit_um).max() > least_um)
         return ("planetary_stage", *names, *orbit)
 
     def summary(self, result: Result) -> dict[str, Any]:

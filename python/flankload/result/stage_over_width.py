@@ -22,6 +22,8 @@ class StageLoadsOverWidth(StageLoads):
     ----------
     mesh_face_load_factor : (2, n) array
         K_Hbeta of the meshes with the sun and with the ring.
+    planet_line_load_N_per_mm : (P, n) array
+        Largest mean line load on a flank in both meshes of each planet, per mm of face width.
     sun_axial_force_N, ring_axial_force_N : (P,) arrays
         Axial force of all planets on sun and ring, positive along z.
     planet_axial_force_N : (P, n) array
@@ -35,6 +37,7 @@ class StageLoadsOverWidth(StageLoads):
     """
 
     mesh_face_load_factor: Floats
+    planet_line_load_N_per_mm: Floats = field(metadata={"PS": "N/mm"})
     sun_axial_force_N: Floats = field(metadata={"P": "N"})
     ring_axial_force_N: Floats = field(metadata={"P": "N"})
     planet_axial_force_N: Floats = field(metadata={"PS": "N"})
@@ -50,7 +53,14 @@ class StageLoadsOverWidth(StageLoads):
     def summary(self, result: Result) -> dict[str, Any]:
         """Entries of the summary."""
         sun, ring = self.mesh_face_load_factor.max(axis=1)
+        p, s = np.unravel_index(
+            self.planet_line_load_N_per_mm.argmax(), self.planet_line_load_N_per_mm.shape
+        )
+        loaded = bool(result.torque_Nm)
         return super().summary(result) | {
+            "peak_line_load_N_per_mm": float(self.planet_line_load_N_per_mm[p, s]),
+            "peak_line_load_position_rad": float(result.position_rad[p]) if loaded else None,
+            "peak_line_load_pair": int(result.sites[s]) if loaded else None,
             "sun_mesh_face_load_factor_max": float(sun),
             "ring_mesh_face_load_factor_max": float(ring),
             "sun_axial_force_max_N": _largest(self.sun_axial_force_N),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.analysis.load_factors import face_load_factor
+from flankload.analysis.load_factors import face_load_factor, largest_line_loads
 from flankload.base.torque import in_newton_metres
 from flankload.contact.stage_wrenches import tilts_of, wrenches_of
 from flankload.result.position_order import order_of
@@ -29,7 +29,11 @@ def loads_over_width(
     planets, tilts = wrenches[:, 1:-1], PER_RAD * tilts_of(contact, wrenches)
     weights = weights_of(assembly)
     factors = [face_load_factor(mesh, weights) for mesh in found.meshes]
+    largest = np.stack([largest_line_loads(mesh) for mesh in found.meshes], axis=-1)
     return {
+        "planet_line_load_N_per_mm": np.maximum(
+            largest[:, : contact.count], largest[:, contact.count :]
+        ),
         "mesh_face_load_factor": np.reshape(factors, (2, contact.count)),
         "sun_axial_force_N": sun[:, 2],
         "ring_axial_force_N": ring[:, 2],
