@@ -15,7 +15,7 @@ module flankload_compliance_field
     private
 
     public :: compliance_type, last_of_site, least_tip_modes
-    public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel, strip_jump
+    public :: mode_values, strip_kernel, mean_strip_kernel, closed_strip_kernel
 
     !> Least number of modes of a tip, which otherwise has a third of all modes
     integer, parameter :: least_tip_modes = 2
@@ -253,20 +253,6 @@ contains
             & - twice_integrated(distance - 0.5_wp*(cell - other)) &
             & + twice_integrated(distance - 0.5_wp*(cell + other)))
     end function mean_strip_kernel
-
-    !> Return the displacement along the normal at a distance in front of the centre of a strip
-    !> under a uniform unit load along the flank [mm/N].
-    elemental function strip_jump(distance, cell, jump) result(displacement)
-        !> Distance along the flank, positive in the direction of the load [mm]
-        real(wp), intent(in) :: distance
-        !> Width of the strip [mm]
-        real(wp), intent(in) :: cell
-        !> Strength of the jump [mm/N]
-        real(wp), intent(in) :: jump
-        real(wp) :: displacement
-
-        displacement = -jump*max(-1.0_wp, min(1.0_wp, 2.0_wp*distance/cell))
-    end function strip_jump
 
     !> Return the mean displacement of a strip on a closed flank [mm/N]: the logarithm of the chord,
     !> -kernel*ln|(L/pi) sin(pi x/L)| for two points at the distance x on a flank of length L.

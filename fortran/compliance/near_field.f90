@@ -15,7 +15,7 @@ module flankload_near_field
     private
 
     public :: image_type
-    public :: add_near_field, image_displacement, image_along, near_field_between, new_image
+    public :: add_near_field, image_displacement, images_along, near_field_between, new_image
 
     !> Mirror images of a contact behind both ends of its flank.
     type :: image_type
@@ -94,28 +94,25 @@ contains
         end do
     end function near_field_between
 
-    !> Return the displacement at a cell due to the mirror images, behind free corners, of a unit
-    !> force along the flank at another cell, towards increasing arc length [mm/N].
-    elemental function image_along(body, s_i, cell_i, s_j, cell_j) result(displacement)
+    !> Return the displacements of the cells of a site due to the mirror images, behind free
+    !> corners, of unit forces along the flank at these cells, towards increasing arc length
+    !> [mm/N]: symmetric, only the lower triangle is set.
+    pure function images_along(body, s, cell) result(images)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Arc lengths and widths of both cells [mm]
-        real(wp), intent(in) :: s_i
-        real(wp), intent(in) :: cell_i
-        real(wp), intent(in) :: s_j
-        real(wp), intent(in) :: cell_j
-        real(wp) :: displacement
+        !> Arc lengths and widths of the cells [mm], shape (m)
+        real(wp), contiguous, intent(in) :: s(:)
+        real(wp), contiguous, intent(in) :: cell(:)
+        real(wp), allocatable :: images(:, :)
 
         integer :: end
 
-        displacement = 0.0_wp
-        do end = 1, 2   ! Eq. (W3)
-            if (abs(body%wedge_along(end)) > 0.0_wp) displacement = displacement &
-                & + strip_kernel(from_end(body, end, s_i, 0.5_wp*cell_i) &
-                & + from_end(body, end, s_j, 0.5_wp*cell_j), sqrt(cell_i*cell_j), &
-                & body%kernel*body%wedge_along(end))
+        allocate (images(size(s), size(s)), source=0.0_wp)
+        do end = 1, 2
+            if (abs(body%wedge_along(end)) > 0.0_wp) call add_images(from_end(body, end, s, &
+                & 0.5_wp*cell), cell, body%kernel*body%wedge_along(end), images)   ! Eq. (W3)
         end do
-    end function image_along
+    end function images_along
 
     !> Return the mirror images of a contact behind the ends of the flank of one body.
     elemental function new_image(body, s, flank) result(image)

@@ -8,7 +8,7 @@
 module flankload_turned_influence
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, last_of_site, mode_values
-    use flankload_near_field, only: image_along
+    use flankload_near_field, only: images_along
     implicit none
     private
 
@@ -32,8 +32,9 @@ contains
 
         integer :: first, last, i, j
         logical :: turns(size(s))
-        real(wp) :: image, one, two, values(size(s), size(body%smooth, 1))
+        real(wp) :: one, two, values(size(s), size(body%smooth, 1))
         real(wp), dimension(size(s)) :: sine, modes, along
+        real(wp), allocatable :: images(:, :)
 
         if (.not. allocated(body%turned)) return
         turns = abs(turn) > 0.0_wp
@@ -60,13 +61,12 @@ contains
                 matrix(:, i) = matrix(:, i) + along
                 matrix(i, :) = matrix(i, :) + along   ! Betti
             end do
+            images = images_along(body, s(first:last), cell(first:last))   ! Eq. (W3)
             do j = first, last
                 do i = j, last
                     if (.not. (turns(i) .or. turns(j))) cycle
-                    ! The image is symmetric: the distances of both cells from the corner are added.
-                    image = image_along(body, s(i), cell(i), s(j), cell(j))   ! Eq. (W3)
-                    one = sine(j)*(modes(i) + image)
-                    two = sine(i)*(modes(j) + image)
+                    one = sine(j)*(modes(i) + images(i - first + 1, j - first + 1))
+                    two = sine(i)*(modes(j) + images(i - first + 1, j - first + 1))
                     matrix(i, j) = matrix(i, j) + one + two
                     if (i /= j) matrix(j, i) = matrix(j, i) + one + two
                 end do

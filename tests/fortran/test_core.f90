@@ -17,7 +17,7 @@ program test_core
     use flankload_bordered_system, only: bordered_system, new_bordered_system, append_pairs, &
         & drop_pair
     use flankload_compliance_field, only: compliance_type, mode_values, strip_kernel, &
-        & mean_strip_kernel, closed_strip_kernel, strip_jump
+        & mean_strip_kernel, closed_strip_kernel
     use flankload_near_field, only: add_near_field, image_type, new_image, image_displacement
     use flankload_nodal_table, only: nodal_place, place_among
     use flankload_contact_zones, only: zone_type
@@ -26,6 +26,7 @@ program test_core
     use flankload_friction, only: friction_lever, mean_sign
     use flankload_finite_influence, only: departures
     use flankload_tabled_influence, only: add_table, add_tangential_table
+    use flankload_tangential_influence, only: strip_jump
     use flankload_bordered_solution, only: solve_bordered, invert
     implicit none
 
