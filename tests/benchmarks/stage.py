@@ -1,4 +1,6 @@
-"""A planetary stage of four planets: time of a state in the core, and of runs around it.
+"""Planetary stages: time of a state in the core, and of runs around it.
+
+Four planets in the plane, then three helical ones with six meshes in 14 slices.
 
 CPU seconds of one thread, least of several runs, without error estimates.
 """
@@ -23,6 +25,8 @@ from tests.support.paths import SCENES
 #: Wanted, ms: a state with lumped contact, and with cells; 48 prepared positions; three bodies; a
 #: design with other errors of pins in a simulation (10⁴ of them in a minute).
 WANTED = {"lumped": 0.2, "pairs": 3.0, "prepared": 15.0, "bodies": 300.0, "design": 6.0}
+#: Of the helical stage: a position, and 24 prepared ones.
+WANTED_OF_WIDTH, POSITIONS_OF_WIDTH = {"lumped": 5.0, "prepared": 300.0}, 24
 DESIGNS = 200
 POSITIONS, TIMES, FACTOR = 48, 3, "mesh_load_factor_max"
 QUIET = {"accuracy.estimate": False, "positions.count": POSITIONS}
@@ -61,7 +65,24 @@ def _lines() -> list[str]:
         MECHANISM.compliances(lumped, assemble(lumped), clock, {})
 
     lines.append(_row("three bodies", _least(bodies), WANTED["bodies"]))
-    return lines
+    return [*lines, *_of_width()]
+
+
+def _of_width() -> list[str]:
+    """Rows of the helical stage."""
+    quiet = {"accuracy.estimate": False, "positions.count": POSITIONS_OF_WIDTH}
+    scene = fl.read_scene(SCENES / "helical_stage.toml").replace(quiet)
+    clock = StageClock(None, MECHANISM.body_names, 1, {})
+    assembly, compliances = MECHANISM.compliances(scene, assemble(scene), clock, {})
+    contact = assembly.contact(scene, compliances)
+    seconds = _least(partial(sweep_stage, contact, assembly.position_rad, scene.torques_Nmm))
+    state = _row("helical, a state", seconds / POSITIONS_OF_WIDTH, WANTED_OF_WIDTH["lumped"])
+    prepared = fl.prepare(scene)
+    prepared.solve()
+    slopes = iter(range(1, 100))
+    changed = _least(lambda: prepared.solve({"planet.helix_slope_um": float(next(slopes))}))
+    words = f"helical, {POSITIONS_OF_WIDTH} positions, prepared"
+    return [state, _row(words, changed, WANTED_OF_WIDTH["prepared"])]
 
 
 def _design_s(scene: fl.Scene) -> float:

@@ -158,6 +158,17 @@ _FORTRAN = (
         ("[turned_to_fixed_frame(mesh, n), &", "[n, &"),
     ),
     *_in(
+        "motion_rows.f90",
+        "physics/test_stages_with_width.py",
+        ("& -body%compliance%twist*(tilt(1)", "& body%compliance%twist*(tilt(1)"),
+        ("-tilt(1)*(z - tilt(3))", "tilt(1)*(z - tilt(3))"),
+    ),
+    *_in(
+        "shaft_influence.f90",
+        "physics/test_stages_with_width.py",
+        ("if (other == b) cycle", "if (other >= b) cycle"),
+    ),
+    *_in(
         "zone_influence.f90",
         "unit/contact/test_sliced_meshes.py",
         ("sense*zone%side > 0.0_wp", "zone%side > 0.0_wp"),
