@@ -33,12 +33,18 @@ class Key(NamedTuple):
 def body_tables() -> dict[str, tuple[type[Table], tuple[str, ...]]]:
     """Tables of all kinds of body by kind, with the bodies that can be of it."""
     found: dict[str, tuple[type[Table], tuple[str, ...]]] = {}
-    of_planets = _members(types_of(SceneFile)["planet"])
-    planet = tuple(part.cls for part in of_planets if isinstance(part, kinds_of.StructType))
+    inner = {
+        name: tuple(
+            part.cls
+            for part in _members(types_of(SceneFile)[name])
+            if isinstance(part, kinds_of.StructType)
+        )
+        for name in ("planet", "body_3")
+    }
     for body, forms in (
         ("body_1", get_args(Body1)),
         ("body_2", get_args(Body2)),
-        ("planet", planet),
+        *inner.items(),
     ):
         for form in forms:
             kind = str(form.__struct_config__.tag)
@@ -99,7 +105,7 @@ def scene_sections() -> list[tuple[str, str, list[Key]]]:
         tables = " or ".join(f"`[{body}]`" for body in bodies)
         text = f'{tables} with `kind = "{kind}"`.{beside}'
         found.append((f"Body: {kind}", text, keys_of(form)))
-    for name in ("stage", "pair", "load", "positions", "effects", "accuracy"):
+    for name in ("stage", "train", "pair", "load", "positions", "effects", "accuracy"):
         (form,) = (
             part.cls
             for part in _members(types_of(SceneFile)[name])

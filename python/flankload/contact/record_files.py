@@ -11,15 +11,23 @@ from flankload.contact.meshes import motion_numbers
 from flankload.contact.pair_table import columns_of
 from flankload.contact.stage_contact import stage_problem
 from flankload.contact.sweep import motion_of
+from flankload.contact.train_contact import train_problem
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.contact.flank_contact import FlankContact
+    from flankload.contact.meshes import Motion
     from flankload.contact.stage_contact import StageContact
+    from flankload.contact.train_contact import TrainContact
+    from flankload.pairing.gear_mesh import GearMesh
 
     Records = Mapping[str, Floats]
+    #: Arguments of `solve_meshes`: records, motions, angles, loads, displacements.
+    MeshProblem = tuple[
+        list[Floats], list[Floats], tuple[Motion, ...], Floats, Floats, Floats | None
+    ]
 
 #: First number of a record of motions: of a pair, of several meshes (`record_file.f90`).
 PAIR_MARK, MESHES_MARK = 70768001, 70768002
@@ -47,26 +55,43 @@ def stage_records(
     contact: StageContact, position_rad: Floats, torques_Nmm: Sequence[float]
 ) -> Records:
     """Records of all bodies and meshes of a stage, and the motions."""
-    bodies, meshes, motions, angles, loads, displacements = stage_problem(
-        contact, position_rad, torques_Nmm
-    )
+    problem = stage_problem(contact, position_rad, torques_Nmm)
+    bodies, meshes = problem[:2]
     planets = [f"planet_{j + 1}" for j in range(contact.count)]
     names = [*(f"sun_{planet}" for planet in planets), *(f"{planet}_ring" for planet in planets)]
-    counts = [
-        *(position_rad.size, len(loads), len(bodies), len(meshes), len(motions)),
-        sum(contact.site_counts),
-    ]
+    return {
+        **dict(zip(["sun", *planets, "ring"], bodies, strict=True)),
+        **dict(zip(names, meshes, strict=True)),
+        "motion": _motions_of_meshes(contact.meshes, problem),
+    }
+
+
+def train_records(
+    contact: TrainContact, position_rad: Floats, torques_Nmm: Sequence[float]
+) -> Records:
+    """Records of the bodies and meshes of a gear train, and the motions."""
+    problem = train_problem(contact, position_rad, torques_Nmm)
+    bodies, meshes = problem[:2]
+    names = ["_".join(mesh.names) for mesh in contact.meshes]
+    return {
+        **{f"body_{b + 1}": body for b, body in enumerate(bodies)},
+        **dict(zip(names, meshes, strict=True)),
+        "motion": _motions_of_meshes(contact.meshes, problem),
+    }
+
+
+def _motions_of_meshes(meshes: Sequence[GearMesh], problem: MeshProblem) -> Floats:
+    """Record of the motions of several meshes."""
+    bodies, _, motions, angles, loads, displacements = problem
+    counts = [len(angles), len(loads), len(bodies), len(meshes), len(motions)]
+    counts.append(sum(core_sites(mesh) for mesh in meshes))
     parts = (
         angles.transpose(2, 1, 0),
         motion_numbers(motions).astype(float),
         np.asarray(loads).T,
         np.asarray(displacements).transpose(2, 1, 0),
     )
-    return {
-        **dict(zip(["sun", *planets, "ring"], bodies, strict=True)),
-        **dict(zip(names, meshes, strict=True)),
-        "motion": _motions(MESHES_MARK, counts, *parts),
-    }
+    return _motions(MESHES_MARK, counts, *parts)
 
 
 def _motions(mark: int, counts: Sequence[int], *parts: Floats) -> Floats:

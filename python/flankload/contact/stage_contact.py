@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.contact.body_record import core_sites, packed_body, packed_mesh, packed_parts
 from flankload.contact.core_call import CORE_COUNTERS
+from flankload.contact.mesh_sweeps import states_of_torque, sweeps_of_meshes, with_rotations
 from flankload.contact.meshes import (
     Members,
     Motion,
@@ -20,7 +21,7 @@ from flankload.contact.meshes import (
 )
 from flankload.contact.stage_wrenches import wrenches_of
 from flankload.contact.status import raise_first_failure
-from flankload.contact.sweep import SITE_RESULTS, Sweep, over_slices
+from flankload.contact.sweep import Sweep, over_slices
 from flankload.pairing.gear_pair import cosine_base_helix
 from flankload.pairing.slices import plane_slice
 from flankload.pairing.stage_paths import paths_of
@@ -331,38 +332,15 @@ def sweep_displaced(
 def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: float) -> StageSweep:
     """States under the torque with this index."""
     n = contact.count
-    of_torque: dict[str, Any] = {
-        name: getattr(found, name)[:, t] for name in ("status", "certificate", "counters")
-    }
-    ends = np.cumsum(contact.site_counts)
-    sites = [np.split(getattr(found, name)[:, t], ends[:-1], axis=1) for name in SITE_RESULTS]
-    pairs = found.pairs[t]
-    n_pairs, motions = pairs.count, found.motion[:, t]
-    tangent, none = found.tangent[:, t], np.zeros(len(motions))
-    meshes = []
-    for m, mesh in enumerate(contact.pairing.meshes):
-        first, pairs = pairs.split_at(contact.site_counts[m])
-        slices, nominal = contact.meshes[m].slices, _nominal_torque(contact, mesh, torque_Nmm)
-        own = over_slices([parts[m] for parts in sites], slices)
-        meshes.append(
-            Sweep(
-                torque_Nmm=nominal,
-                rotation_rad=none,
-                tangent_rad_per_Nmm=none,
-                site_force_per_torque=own["site_force_N"] / (nominal or 1.0),
-                n_pairs=first.count,
-                pairs=replace(first, slice_count=slices.count),
-                **of_torque,
-                **own,
-            )
-        )
+    pairs, motions = found.pairs[t], found.motion[:, t]
+    nominal = [_nominal_torque(contact, mesh, torque_Nmm) for mesh in contact.pairing.meshes]
+    meshes = sweeps_of_meshes(found, t, contact.meshes, nominal)
     moved = _displacements(contact, motions, found.resultant[:, t], meshes)
-    approach = _approaches(contact, motions, moved)
-    radii = [body.base_radius_mm or 1.0 for body in contact.bodies]
-    meshes = [
-        replace(sweep, rotation_rad=approach[:, m] / radii[mesh.with_ring])
-        for m, (mesh, sweep) in enumerate(zip(contact.pairing.meshes, meshes, strict=True))
+    radii = [
+        contact.bodies[mesh.with_ring].base_radius_mm or 1.0 for mesh in contact.pairing.meshes
     ]
+    meshes = with_rotations(meshes, _approaches(contact, motions, moved) / radii)
+    tangent = found.tangent[:, t]
     force = np.stack([mesh.site_force_N.sum(axis=1) for mesh in meshes[:n]], axis=-1)
     peak, corner = _largest_peaks(meshes, n)
     planets = Sweep(
@@ -371,13 +349,13 @@ def _sweep_of(contact: StageContact, found: MeshStates, t: int, torque_Nmm: floa
         tangent_rad_per_Nmm=tangent[:, 0, 0],
         **over_slices((force, peak, corner), plane_slice(1.0)),
         site_force_per_torque=force / (torque_Nmm or 1.0),
-        n_pairs=n_pairs,
-        pairs=found.pairs[t],
-        **of_torque,
+        n_pairs=pairs.count,
+        pairs=pairs,
+        **states_of_torque(found, t),
     )
     floats = contact.supports.moving == "carrier"
     carrier = motions[:, -2:] if floats else np.zeros((len(motions), 2))
-    return StageSweep(planets, tuple(meshes), moved, found.resultant[:, t], carrier, motions)
+    return StageSweep(planets, meshes, moved, found.resultant[:, t], carrier, motions)
 
 
 def _largest_peaks(meshes: Sequence[Sweep], n: int) -> tuple[Floats, Numbers]:

@@ -45,7 +45,9 @@ def _contacts(contact: StageContact, m: int, sweep: Sweep) -> tuple[Floats, Floa
     # n = (cos b n_t, -twist l cos b) with the lever l of the transverse normal
     slope = -own.body_1.axial.twist_rad_per_mm * (x * up - y * across)
     in_section = force / np.hypot(1.0, slope)
-    points, normals = (mesh.in_carrier(np.column_stack(parts)) for parts in ((x, y), (across, up)))
+    points, normals = (
+        mesh.in_common_frame(np.column_stack(parts)) for parts in ((x, y), (across, up))
+    )
     if mesh.with_ring:
         points = points + contact.pairing.centers_mm[mesh.planet]
     z_mm = own.slices.z_mm[pairs.slices]

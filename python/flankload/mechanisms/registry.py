@@ -15,13 +15,14 @@ if TYPE_CHECKING:
 #: Package by the kind of body 2; all other bodies touch on their flanks.
 REGISTRY = {"belt": "belt", "chain": "chain"}
 OTHERS = "flank_pair"
-#: Package of scenes with a table [stage].
-STAGE = "stage"
+#: Packages of scenes with one of these tables, which have their names.
+TABLES = ("stage", "train")
 
 
 def mechanism_of(scene: Scene) -> Mechanism[Any, Any, Any]:
     """Kind of drive of a scene."""
-    package = REGISTRY.get(scene.body_2.kind, OTHERS) if scene.stage is None else STAGE
+    package = REGISTRY.get(scene.body_2.kind, OTHERS)
+    package = next((name for name in TABLES if getattr(scene, name) is not None), package)
     found: Mechanism[Any, Any, Any]
     found = import_module(f"flankload.mechanisms.{package}.mechanism").MECHANISM
     return found

@@ -16,23 +16,15 @@ meshes from sums of integers.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from math import gcd, lcm, pi
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.base.rotation import directions
-from flankload.errors import SceneError
-from flankload.pairing.pairing import (
-    Pairing,
-    at_sites,
-    pair_bodies,
-    path_sites,
-    pitch_turns,
-    teeth_until_alike,
-)
+from flankload.pairing.pairing import teeth_until_alike
+from flankload.pairing.placed_mesh import MeshPlace, PlacedMesh, named_warnings, paired
 from flankload.pairing.slices import reached_positions
 
 if TYPE_CHECKING:
@@ -46,56 +38,21 @@ SUN_MESH, RING_MESH = ("body_1", "planet"), ("planet", "body_2")
 
 
 @dataclass(frozen=True)
-class StageMesh:
-    """A gear mesh of a stage.
+class StageMesh(PlacedMesh):
+    """A gear mesh of a stage; its names are `SUN_MESH` or `RING_MESH`.
 
     Attributes
     ----------
     planet : int
         Number of the planet, from 0.
-    names : (str, str)
-        Tables of both bodies: `SUN_MESH` or `RING_MESH`.
-    pairing : Pairing
-        In the frame of the mesh. Positions are rotations of body 1 from pair 0 at the pitch point;
-        teeth are those of the whole bodies: of a sun or a ring counted from pair 0 of planet 1.
-    offset_rad, rate : float
-        Position of the mesh at position zero of the stage, and its change per rad of it.
-    frame_rad : float
-        Angle from the frame of the carrier to that of the mesh.
-    sense : int
-        1; -1 if the frame of the mesh is a mirror image.
     """
 
-    planet: int
-    names: tuple[str, str]
-    pairing: Pairing
-    offset_rad: float
-    rate: float
-    frame_rad: float
-    sense: int
+    planet: int = 0
 
     @property
     def with_ring(self) -> bool:
         """Whether the mesh is that of the planet with the ring."""
         return self.names == RING_MESH
-
-    @property
-    def phase(self) -> float:
-        """Position at position zero of the stage, in pitches: greater than -1/2, at most 1/2."""
-        return self.offset_rad / self.pairing.pitch_rad
-
-    def positions(self, position_rad: Floats) -> Floats:
-        """(P,) Positions of the mesh at positions of the stage."""
-        return np.asarray(self.offset_rad + self.rate * position_rad)
-
-    def turns(self, position_rad: Floats) -> Floats:
-        """(P, 2) Angles of both bodies in the frame of the mesh at positions of the stage."""
-        return np.stack(self.pairing.turns(self.positions(position_rad)), axis=-1)
-
-    def in_carrier(self, vectors: Floats) -> Floats:
-        """Vectors (…, 2) of the frame of the mesh in that of the carrier."""
-        along, across = directions(np.array([self.frame_rad, self.frame_rad + 0.5 * pi]))
-        return np.asarray(vectors[..., :1] * along + self.sense * vectors[..., 1:] * across)
 
 
 @dataclass(frozen=True)
@@ -227,8 +184,8 @@ def stage_pairing(
     whole = sun.teeth + ring.teeth
     angles = first_rad + 2.0 * pi * np.asarray(places, dtype=float) / whole
     suns = [_sun_phase(sun.teeth, place, whole) for place in places]
-    pair_sun = _paired(SUN_MESH, (sun, planet), center_distance_mm)
-    pair_ring = _paired(RING_MESH, (planet, ring), center_distance_mm)
+    pair_sun = paired(SUN_MESH, (sun, planet), center_distance_mm)
+    pair_ring = paired(RING_MESH, (planet, ring), center_distance_mm)
     rate = sun.teeth / planet.teeth
     assert planet.involute is not None
     image = replace(planet, axial=planet.axial.in_mirror_image())
@@ -239,17 +196,17 @@ def stage_pairing(
     first_turn = 0
     for j, (phase, turn) in enumerate(suns):
         offset, frame = phase * pair_sun.pitch_rad, float(angles[j])
-        place = _Place((sun, planet), (turn, 0), (1, -1), (-1, 1))
+        place = MeshPlace((sun, planet), (turn, 0), (1, -1), (-1, 1))
         own = place.of(pair_sun, reached_positions(offset + position_rad, sun))
-        meshes[SUN_MESH].append(StageMesh(j, SUN_MESH, own, offset, 1.0, frame, 1))
+        meshes[SUN_MESH].append(StageMesh(SUN_MESH, own, offset, 1.0, frame, 1, j))
         back = -round(base + phase)
         first_turn = back if j == 0 else first_turn
         ring_turn = places[j] - turn - (back - first_turn)
         offset = (base + phase + back) * pair_ring.pitch_rad
-        place = _Place((planet, ring), (-back, ring_turn), (-1, -1), (0, 1))
+        place = MeshPlace((planet, ring), (-back, ring_turn), (-1, -1), (0, 1))
         reached = reached_positions(offset + rate * position_rad, image)
         own = place.of(pair_ring, reached)
-        meshes[RING_MESH].append(StageMesh(j, RING_MESH, own, offset, rate, frame + pi, -1))
+        meshes[RING_MESH].append(StageMesh(RING_MESH, own, offset, rate, frame + pi, -1, j))
     return StagePairing(
         angles_rad=angles,
         places=tuple(places),
@@ -257,7 +214,10 @@ def stage_pairing(
         center_distance_mm=center_distance_mm,
         meshes=(*meshes[SUN_MESH], *meshes[RING_MESH]),
         ring_turn_rad=0.0 if ring.involute is None else ring.involute.turn_rad,
-        warnings=(*_named_warnings(pair_sun, SUN_MESH), *_named_warnings(pair_ring, RING_MESH)),
+        warnings=(
+            *named_warnings(pair_sun, SUN_MESH, "sun and planet"),
+            *named_warnings(pair_ring, RING_MESH, "planet and ring"),
+        ),
     )
 
 
@@ -266,70 +226,3 @@ def _sun_phase(sun_teeth: int, place: int, whole: int) -> tuple[float, int]:
     part = -sun_teeth * place % whole
     part -= whole if 2 * part > whole else 0
     return part / whole, (part + sun_teeth * place) // whole
-
-
-def _paired(names: tuple[str, str], bodies: tuple[Body, Body], distance: float) -> Pairing:
-    """Pair of two bodies of a stage at its position zero; errors name their tables."""
-    even = (replace(body, pitch_errors_um=()) for body in bodies)
-    try:
-        return pair_bodies(*even, center_distance_mm=distance, position_rad=np.zeros(1))
-    except SceneError as error:
-        raise with_names(error, names) from None
-
-
-def with_names(error: SceneError, names: tuple[str, str]) -> SceneError:
-    """An error about the bodies of a pair with the tables of a stage."""
-    texts = (_named(text, names) for text in (error.key, error.expected, error.found))
-    key, expected, found = texts
-    return type(error)(key=key, expected=expected, found=found, file=error.file)
-
-
-def _named_warnings(pairing: Pairing, names: tuple[str, str]) -> tuple[str, ...]:
-    """Warnings about a pair, with the mesh to which they apply."""
-    mesh = "sun and planet" if names == SUN_MESH else "planet and ring"
-    return tuple(f"{mesh}: {_named(line, names)}" for line in pairing.warnings)
-
-
-def _named(text: str, names: tuple[str, str]) -> str:
-    """A text about body_1 and body_2 with other names in their place."""
-    return re.sub(r"body_([12])", lambda found: names[int(found[1]) - 1], text)
-
-
-class _Place(NamedTuple):
-    """Two bodies of a mesh among all meshes of a stage.
-
-    Attributes
-    ----------
-    first : (int, int)
-        Tooth of each whole body in pair 0.
-    senses : (int, int)
-        Change of the tooth from a pair to the next.
-    entries : (int, int)
-        Number of the pitch error of a tooth over the number of the tooth; 0: none applies.
-    """
-
-    bodies: tuple[Body, Body]
-    first: tuple[int, int]
-    senses: tuple[int, int]
-    entries: tuple[int, int]
-
-    def of(self, pairing: Pairing, position_rad: Floats) -> Pairing:
-        """The pairing with the sites at positions of the mesh, and with teeth of whole bodies."""
-        one, two = self.bodies
-        sites = path_sites(
-            pairing.gear_geometry, one.teeth, two.teeth, position_rad, coast_flanks=False
-        )
-        teeth, angles = [], []
-        for z, body in enumerate(self.bodies):
-            even = replace(body, pitch_errors_um=())
-            teeth.append((self.first[z] + self.senses[z] * sites) % body.teeth)
-            turns = pitch_turns(body, self.entries[z] * teeth[z]) if self.entries[z] else 0.0
-            angles.append(at_sites(even, sites, (1, -two.outward)[z])[1] + turns)
-        none = np.zeros(sites.size)
-        return replace(
-            pairing,
-            sites=sites,
-            site_teeth=(teeth[0], teeth[1]),
-            site_angles_rad=(angles[0], angles[1]),
-            site_deviations_mm=(none, none),
-        )

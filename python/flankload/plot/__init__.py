@@ -78,6 +78,7 @@ from flankload.plot.stage import (
 )
 from flankload.plot.stage_patterns import draw_stage_patterns, plot_stage_patterns
 from flankload.plot.style import FORMATS, SIZE, file_of, png_of, write_pictures
+from flankload.plot.train import draw_gear_train, plot_gear_train
 from flankload.plot.whole_circle import (
     draw_flank_pressure,
     draw_load_per_tooth,
@@ -119,6 +120,7 @@ __all__ = [
     "draw_flank_pressure",
     "draw_follower_motion",
     "draw_force_through_wrap",
+    "draw_gear_train",
     "draw_histogram",
     "draw_line_load",
     "draw_line_load_map",
@@ -157,6 +159,7 @@ __all__ = [
     "plot_flank_pressure",
     "plot_follower_motion",
     "plot_force_through_wrap",
+    "plot_gear_train",
     "plot_line_load",
     "plot_line_load_map",
     "plot_load_around_wrap",
@@ -297,7 +300,8 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
         all around: load_per_tooth, flank_pressure, loaded_pair, and for several positions
         transmission_error. Chains: transmission_error, chain_on_sprocket, tensions and stiffness.
         Belts: belt_on_pulley, load_around_wrap, and for several positions transmission_error and
-        force_through_wrap. Planetary stages: planetary_stage, and for several positions
+        force_through_wrap. Gear trains: gear_train, and transmission_error for several positions.
+        Planetary stages: planetary_stage, and for several positions
         transmission_error, planet_load_share, and sun_orbit if the sun moves; mesh_load_factor for
         several torques; with a width stage_patterns. All: load_map for several positions,
         transmission_error_spectrum if these cover the period, root_stress if requested (in three

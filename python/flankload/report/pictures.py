@@ -40,7 +40,10 @@ SECTIONS = {
     "Load over the face width": ("line_load", "line_load_map", "contact_pattern", "stage_patterns"),
     "Stiffness and torque": ("stiffness", "torque_sweep"),
     "Root stress": ("root_stress", "root_stress_over_width"),
-    "Loaded bodies": ("loaded_pair", "planetary_stage", "belt_on_pulley", "chain_on_sprocket"),
+    "Loaded bodies": (
+        *("loaded_pair", "planetary_stage", "gear_train"),
+        *("belt_on_pulley", "chain_on_sprocket"),
+    ),
     "Profiles": ("profile_deviation",),
 }
 #: Section of plots that are in no other one.
@@ -66,7 +69,10 @@ TITLES = {
 #: Sizes in inches: of a plot of half a page, and of drawings.
 SIZE, DRAWING = (5.8, 3.9), (5.8, 5.4)
 #: Pictures of whole bodies.
-OF_BODIES = ("loaded_pair", "planetary_stage", "belt_on_pulley", "chain_on_sprocket")
+OF_BODIES = (
+    *("loaded_pair", "planetary_stage", "gear_train"),
+    *("belt_on_pulley", "chain_on_sprocket"),
+)
 #: Points of an outline may lie off by this part of the tip radius.
 OFF = 2e-4
 

@@ -156,6 +156,10 @@ class Plots:
         """Tension of the links of a chain around the wrap."""
         return self._draw("tensions", ax)
 
+    def gear_train(self, ax: Any = None, *, position: int | None = None) -> Any:
+        """Gears of a train with the forces of their meshes and on their bearings."""
+        return self._draw("gear_train", ax, position=position)
+
     def planetary_stage(self, ax: Any = None, *, position: int | None = None) -> Any:
         """Sun, planets and ring at a position, with the forces on planets and pins."""
         return self._draw("planetary_stage", ax, position=position)

@@ -24,8 +24,10 @@ from flankload.scene.typed_pairs import (
     CamAndFollower,
     ChainAndSprocket,
     GearPair,
+    IdlerTrain,
     PlanetaryStage,
     Spline,
+    TwoPinions,
 )
 
 __all__ = [
@@ -43,6 +45,7 @@ __all__ = [
     "Follower",
     "Gear",
     "GearPair",
+    "IdlerTrain",
     "Load",
     "MeshBody",
     "PlanetFlank",
@@ -58,6 +61,7 @@ __all__ = [
     "SplineHub",
     "SplineShaft",
     "Sprocket",
+    "TwoPinions",
     "read_scene",
     "scene_of",
     "scene_paths",

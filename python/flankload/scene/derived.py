@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from flankload.scene.scene import Scene, SceneFile
 
 DISTANCE, WIDTH = "pair.center_distance_mm", "pair.face_width_mm"
+#: That of the second mesh of a train.
+DISTANCE_2 = "train.center_distance_2_mm"
 #: Contact ratios between which one and two pairs are in contact in turn.
 ONE_PAIR, TWO_PAIRS = 1.0, 2.0
 
@@ -110,6 +112,11 @@ def with_pair_geometry(asked: SceneFile) -> SceneFile:
             asked = structs.replace(
                 asked, pair=structs.replace(asked.pair, center_distance_mm=distance)
             )
+    if asked.train is not None and asked.train.center_distance_2_mm is None:
+        one, two = (flanks[name] for name in _mates(asked)[1])
+        if one is not None and two is not None:
+            apart = {"center_distance_2_mm": _distance(one, two, None)}
+            asked = structs.replace(asked, train=structs.replace(asked.train, **apart))
     for name, flank in flanks.items():
         if flank is not None and (starts := dict(_starts(asked, name, flank))):
             asked = _with_keys(asked, name, starts)
@@ -132,6 +139,8 @@ def derived_keys(asked: SceneFile, given: Mapping[str, Any]) -> frozenset[str]:
     if asked.pair is not None:
         paths = {WIDTH} if asked.pair.center_distance_mm is None else {WIDTH, DISTANCE}
         found |= paths - {f"pair.{name}" for name in given.get("pair", {})}
+    if asked.train is not None and "center_distance_2_mm" not in given["train"]:
+        found.add(DISTANCE_2)
     return frozenset(found)
 
 
@@ -165,6 +174,8 @@ def _bodies(asked: SceneFile) -> tuple[str, ...]:
 
 def _mates(asked: SceneFile) -> tuple[tuple[str, str], ...]:
     """Names of the bodies of each gear mesh; the common centre distance is that of the first."""
+    if asked.train is not None:
+        return asked.train.meshes
     names = _bodies(asked)
     return tuple(pairwise(names))
 
@@ -257,9 +268,12 @@ def _roll_at_change(asked: SceneFile, name: str, key: str, extent: str, *, at_ti
         refuse(key, expected, shown(extent))
     _check_numbers(one, two)
     assert asked.pair is not None
-    assert asked.pair.center_distance_mm is not None
+    distance = asked.pair.center_distance_mm
+    if asked.train is not None and mates == asked.train.meshes[1]:
+        distance = asked.train.center_distance_2_mm
+    assert distance is not None
     radii, sense = _base_radii(one, two), two.teeth.outward
-    distance, least = asked.pair.center_distance_mm, abs(radii[0] + sense * radii[1])
+    least = abs(radii[0] + sense * radii[1])
     if distance <= least:
         name = "sum" if sense > 0 else "difference"
         refuse(DISTANCE, f"more than the {name} of the base radii, {least:.4f} mm", distance)

@@ -45,7 +45,8 @@ from flankload.scene.pair import Load, Pair, Positions, check_partners
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.stage import Stage, check_stage
-from flankload.scene.table import Table, Text, about
+from flankload.scene.table import BODIES, Table, Text, about
+from flankload.scene.train import Train, check_train
 from flankload.scene.tree import scene_tree, toml_of, with_changes
 from flankload.scene.usual import with_questions
 
@@ -74,6 +75,12 @@ class SceneFile(Table, frozen=True, kw_only=True):
     stage: Annotated[Stage | None, about("planetary stage: body 1 is its sun, body 2 its ring")] = (
         None
     )
+    body_3: Annotated[
+        Gear | None, about("the third gear of a train: its idler, or the second pinion")
+    ] = None
+    train: Annotated[
+        Train | None, about("three external gears in two meshes: an idler, or two pinions")
+    ] = None
     pair: Annotated[
         Pair | None, about("required, except for chains and belts, which do not have this table")
     ] = None
@@ -120,6 +127,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
             self.pair.check(self.body_1, self.body_2)
         check_base_pitches(self.body_1, self.body_2)
         check_stage(self, given)
+        check_train(self, given)
         check_dimension(self, given)
         check_effects(self, given)
         self.positions.check(given.get("positions", {}))
@@ -128,6 +136,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
             and self.body_1.rigid
             and self.body_2.rigid
             and self.stage is None
+            and self.train is None
         ):
             expected = "false, since body_1.rigid is true: the load sharing of two rigid bodies "
             expected += "is undetermined"
@@ -157,6 +166,10 @@ class Scene(Card):
         Planets of a stage.
     stage : Stage or None
         The stage; None for two bodies.
+    body_3 : Gear or None
+        Third gear of a train.
+    train : Train or None
+        The train; None for two bodies.
     derived : frozenset of str
         Paths of the keys that follow from others (module `derived`) and are not in the file.
     named_effects : frozenset of str
@@ -176,6 +189,8 @@ class Scene(Card):
     file: Path | None = None
     planet: Gear | None = None
     stage: Stage | None = None
+    body_3: Gear | None = None
+    train: Train | None = None
     derived: frozenset[str] = frozenset()
     named_effects: frozenset[str] = frozenset()
     named_discretization_keys: frozenset[str] = frozenset()
@@ -205,7 +220,7 @@ class Scene(Card):
         named = {
             f"{name}.{key}": getattr(body, key, None)
             for name, body in (
-                *(("body_1", self.body_1), ("planet", self.planet), ("body_2", self.body_2)),
+                *((name, getattr(self, name)) for name in BODIES),
                 ("stage.carrier", None if self.stage is None else self.stage.carrier),
             )
             for key in FILE_KEYS
@@ -279,6 +294,8 @@ class Scene(Card):
             body_2=self.body_2,
             planet=self.planet,
             stage=self.stage,
+            body_3=self.body_3,
+            train=self.train,
             pair=None if self.body_2.is_drive and self.pair == NO_PAIR else self.pair,
             load=self.load,
             positions=self.positions,
@@ -392,6 +409,8 @@ class Scene(Card):
             file=path,
             planet=asked.planet,
             stage=asked.stage,
+            body_3=asked.body_3,
+            train=asked.train,
             derived=derived_keys(asked, d),
             named_effects=frozenset(d.get("effects", {})),
             named_discretization_keys=frozenset(
@@ -405,8 +424,9 @@ def _check_all(asked: SceneFile, given: Mapping[str, Any]) -> None:
     try:
         asked.body_1.check(given["body_1"], "body_1")
         asked.body_2.check(given["body_2"], "body_2")
-        if asked.planet is not None:
-            asked.planet.check(given["planet"], "planet")
+        for name in ("planet", "body_3"):
+            if (body := getattr(asked, name)) is not None:
+                body.check(given[name], name)
         asked.check(given)
     except SceneError as error:
         raise with_questions(error, asked) from None

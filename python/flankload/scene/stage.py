@@ -417,7 +417,7 @@ def _check_width(asked: SceneFile, why: str) -> None:
     assert asked.stage is not None
     for body in BODIES:
         for name, instead in WITHOUT_IN_BODIES.items():
-            if getattr(getattr(asked, body), name):
+            if getattr(getattr(asked, body), name, None):
                 refuse(f"{body}.{name}", f"nothing with [stage]: {instead}", "a value")
     for name in MISALIGNMENTS:
         if asked.pair is not None and getattr(asked.pair, name):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from msgspec import UNSET, Meta, Struct, StructMeta, structs
 
 #: Tables of bodies, in the order of a file; a scene has some of them.
-BODIES = ("body_1", "planet", "body_2")
+BODIES = ("body_1", "planet", "body_3", "body_2")
 #: Range of lengths, mm; far wider than that of real pairs. Beyond it, numbers overflow.
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
 Length = Annotated[float, Meta(ge=SMALLEST_LENGTH, le=LARGEST_LENGTH)]

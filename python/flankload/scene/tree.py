@@ -49,7 +49,7 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     from flankload.scene.scene import NO_PAIR
 
     tree: Tree = {"name": scene.name}
-    for name in (*BODIES, "stage"):
+    for name in (*BODIES, "stage", "train"):
         if (table := getattr(scene, name)) is not None:
             tree[name] = tree_of(table)
     for name, keys in keys_of_names(tree).items():

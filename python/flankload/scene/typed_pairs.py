@@ -21,6 +21,7 @@ from flankload.scene.scene import Scene
 from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.stage import Stage
 from flankload.scene.table import Table
+from flankload.scene.train import Train
 from flankload.scene.tree import Tree, tree_of
 
 #: Tables of a scene that a typed pair has as attributes.
@@ -203,6 +204,70 @@ class PlanetaryStage(StageKeys, frozen=True):
 
     def _keys(self) -> dict[str, Any]:
         return {**super()._keys(), "body_1": self.sun, "body_2": self.ring}
+
+
+class TrainKeys(AsScene, Table, frozen=True, kw_only=True):
+    """The keys of [train], [pair] and [load] of a gear train but its kind."""
+
+    bodies: ClassVar[tuple[str, ...]] = ("body_1", "body_3", "body_2")
+    tables: ClassVar[tuple[tuple[str, type[Table]], ...]] = (
+        *(("train", Train), ("pair", Pair), ("load", Load)),
+    )
+
+    torque_Nm: TorqueOrTorques
+    angle_deg: float = 180.0
+    center_distance_mm: float | None = None
+    normal_backlash_um: float | None = None
+    center_distance_2_mm: float | None = None
+    bearing_stiffness_N_per_um: float | None = None
+    face_width_mm: float | None = None
+    name: str | None = None
+    positions: Positions | Mapping[str, Any] | None = None
+    effects: EffectsAsked | Mapping[str, Any] | None = None
+    accuracy: Accuracy | Mapping[str, Any] | None = None
+
+
+class IdlerTrain(TrainKeys, frozen=True):
+    """A driver, which carries the torque, an idler, and a driven gear, with the keys of [train].
+
+    Examples
+    --------
+    >>> driver = fl.Gear(teeth=20, module_mm=3, tip_diameter_mm=66, bore_diameter_mm=25)
+    >>> idler = fl.Gear(teeth=27, module_mm=3, tip_diameter_mm=87, bore_diameter_mm=35)
+    >>> driven = fl.Gear(teeth=33, module_mm=3, tip_diameter_mm=105, bore_diameter_mm=40)
+    >>> train = fl.IdlerTrain(driver, idler, driven, face_width_mm=20, torque_Nm=200)
+    >>> result = fl.solve(train)
+    """
+
+    driver: Gear
+    idler: Gear
+    driven: Gear
+
+    def _keys(self) -> dict[str, Any]:
+        bodies = {"body_1": self.driver, "body_3": self.idler, "body_2": self.driven}
+        return {**super()._keys(), "kind": "idler", **bodies}
+
+
+class TwoPinions(TrainKeys, frozen=True):
+    """A wheel, which carries the torque, and two pinions, with the keys of [train].
+
+    Examples
+    --------
+    >>> pinion = fl.Gear(teeth=20, module_mm=3, tip_diameter_mm=66, bore_diameter_mm=25)
+    >>> wheel = fl.Gear(teeth=60, module_mm=3, tip_diameter_mm=186, bore_diameter_mm=80)
+    >>> train = fl.TwoPinions(wheel, pinion, pinion, face_width_mm=20, torque_Nm=1200)
+    >>> result = fl.solve(train)
+    """
+
+    wheel: Gear
+    pinion: Gear
+    second_pinion: Gear
+    floating: bool = False
+    timing_error_um: float = 0.0
+
+    def _keys(self) -> dict[str, Any]:
+        bodies = {"body_1": self.wheel, "body_2": self.pinion, "body_3": self.second_pinion}
+        return {**super()._keys(), "kind": "two_pinions", **bodies}
 
 
 class ChainAndSprocket(Drive, frozen=True):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Factor between units of one quantity (um and mm, GPa and MPa), also squared (um and m).
 THOUSAND = 1000.0
 TABLES = (
-    *(*BODIES, "stage", "pair"),
+    *(*BODIES, "stage", "train", "pair"),
     *("load", "positions", "effects", "accuracy"),
 )
 #: Units in which values are given by mistake, by the unit of the key and the factor between them.

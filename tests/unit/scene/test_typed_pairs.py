@@ -11,7 +11,7 @@ import flankload as fl
 from flankload.scene import scene_of
 from flankload.scene.form import fields_of
 from flankload.scene.scene import SceneFile
-from flankload.scene.typed_pairs import Drive, FlankPair, StageKeys
+from flankload.scene.typed_pairs import Drive, FlankPair, IdlerTrain, StageKeys, TwoPinions
 from tests.support.paths import SCENES
 
 TABLES: dict[str, Any] = {
@@ -58,16 +58,32 @@ def test_objects_make_the_scene_of_the_file(path: Path) -> None:
     whole = {name: table(**tree[name]) for name, table in tables.items() if name in tree}
     kind = fl.PlanetaryStage if "stage" in tree else kind
     names = [name for name in ("body_1", "planet", "body_2") if name in tree]
+    train = dict(tree.get("train", {}))
+    if train:
+        idler = train.pop("kind") == "idler"
+        kind = fl.IdlerTrain if idler else fl.TwoPinions
+        names.insert(1 if idler else 2, "body_3")
     pair = kind(
         *(body(tree[name]) for name in names),
         name=tree.get("name"),
         **tree.get("stage", {}),
+        **train,
         **tree.get("pair", {}),
         **tree["load"],
         **whole,
     )
     found, expected = pair.to_scene(), fl.Scene.from_dict(tree)
-    for name in (*names, "name", "stage", "pair", "load", "positions", "effects", "accuracy"):
+    for name in (
+        *names,
+        "name",
+        "stage",
+        "train",
+        "pair",
+        "load",
+        "positions",
+        "effects",
+        "accuracy",
+    ):
         assert getattr(found, name) == getattr(expected, name), name
     assert fl.Scene.from_dict(tomllib.loads(pair.to_toml())).to_dict() == found.to_dict()
 
@@ -95,15 +111,23 @@ TWO = ((25, 80.7), (17, 56.7))
 
 def test_typed_pairs_have_each_key_of_the_tables() -> None:
     """A new key of [pair], [load], [stage] or of a whole scene must reach the typed pairs."""
-    bodies, stage = {"body_1", "planet", "body_2"}, fields_of(SceneFile)["stage"].type
-    tables = set(fields_of(SceneFile)) - {"pair", "load", "stage", *bodies}
+    bodies = {"body_1", "planet", "body_3", "body_2"}
+    tables = set(fields_of(SceneFile)) - {"pair", "load", "stage", "train", *bodies}
     load = set(fields_of(SceneFile)["load"].type.__struct_fields__)
     assert set(FlankPair.__struct_fields__) >= tables | (load - {"slack_tension_N"})
     assert set(Drive.__struct_fields__) == tables | load
-    (of_stage,) = (part for part in get_args(get_args(stage)[0]) if part is not type(None))
-    distance = {"center_distance_mm", "normal_backlash_um", "face_width_mm"}
-    own = set(of_stage.__struct_fields__) | distance | {"torque_Nm"}
-    assert set(StageKeys.__struct_fields__) == tables | own
+    distance = {"center_distance_mm", "normal_backlash_um", "face_width_mm", "torque_Nm"}
+    for typed, name, bodies in (
+        (StageKeys, "stage", set()),
+        (IdlerTrain, "train", {"driver", "idler", "driven"}),
+        (TwoPinions, "train", {"wheel", "pinion", "second_pinion"}),
+    ):
+        table = fields_of(SceneFile)[name].type
+        (part,) = (part for part in get_args(get_args(table)[0]) if part is not type(None))
+        own = set(part.__struct_fields__) - {"kind"}
+        if typed is IdlerTrain:
+            own -= {"floating", "timing_error_um"}  # which it refuses
+        assert set(typed.__struct_fields__) == tables | own | distance | bodies
 
 
 def test_arrays_and_dictionaries_are_accepted() -> None:

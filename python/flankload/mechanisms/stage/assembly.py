@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import pi, radians
+from math import radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import fillets_of, without_ends
 from flankload.mechanisms.flank_pair.rims import rim_notes
 from flankload.mechanisms.scene_bodies import bodies_of, with_file_of
+from flankload.mechanisms.several_meshes import positions_of_meshes
 from flankload.pairing.body_pair import BodyJob
 from flankload.pairing.gear_mesh import GearMesh
 from flankload.pairing.slices import Slices, plane_slice, slices_of
@@ -43,8 +44,6 @@ if TYPE_CHECKING:
 
 #: Tables of the bodies.
 NAMES = ("body_1", "planet", "body_2")
-#: Largest number of positions of a scene.
-MOST_POSITIONS = 100_000
 
 
 @dataclass(frozen=True)
@@ -162,7 +161,7 @@ def assemble(
             bodies = without_ends(sun), without_ends(planet), without_ends(ring)
         run_outs = bool(stage.sun_run_out_um), bool(stage.ring_run_out_um)
         period = repeating_pitches(bodies, run_outs)
-        position_rad, pitches = _positions(scene, bodies[0].teeth, period)
+        position_rad, pitches = positions_of_meshes(scene, bodies[0].teeth, period)
         pairing = stage_pairing(
             bodies,
             assembled_places(stage, sun.teeth + ring.teeth),
@@ -212,22 +211,6 @@ def _held(scene: Scene) -> Scene:
         return scene
     assert isinstance(scene.body_2, Ring)
     return replace(scene, body_2=structs.replace(scene.body_2, rim="torque"))
-
-
-def _positions(scene: Scene, teeth: int, period: int) -> tuple[Floats, int | None]:
-    """(P,) Angles of the sun relative to the carrier, and the pitches that they cover."""
-    wanted = scene.positions
-    if wanted.angles_deg is not None:
-        return np.radians(np.asarray(wanted.angles_deg, dtype=float)), None
-    pitches = period if wanted.pitches == "hunting" else int(wanted.pitches)
-    if wanted.count * pitches > MOST_POSITIONS:
-        raise SceneError(
-            key="positions.pitches",
-            expected=f"at most {MOST_POSITIONS // wanted.count}, so that there are at most "
-            f"{MOST_POSITIONS} positions",
-            found=f"{pitches} pitches of {wanted.count} positions",
-        )
-    return 2 * pi / teeth * np.arange(wanted.count * pitches) / wanted.count, pitches
 
 
 def _slices(scene: Scene, bodies: tuple[Body, Body, Body]) -> tuple[Slices, Slices]:

@@ -189,7 +189,7 @@ def _force_on_body_2(assembly: StageAssembly, found: StageSweep, m: int) -> Floa
         np.bincount(pairs.position, force * pairs.column(f"normal_{k}"), pairs.count.size)
         for k in "xy"
     ]
-    return mesh.in_carrier(np.stack(parts, axis=-1))
+    return mesh.in_common_frame(np.stack(parts, axis=-1))
 
 
 def _contacts(assembly: StageAssembly, found: StageSweep, p: int) -> PairTable:
@@ -200,10 +200,10 @@ def _contacts(assembly: StageAssembly, found: StageSweep, p: int) -> PairTable:
         column, number, slices = pairs.columns_at(p), pairs.slices_at(p), gears.slices
         # contact lines are inclined by the base helix angle
         length = slices.width_mm[number] / cosine_base_helix(gears.body_1)
-        own = mesh.in_carrier(np.column_stack([column["x"], column["y"]]))
+        own = mesh.in_common_frame(np.column_stack([column["x"], column["y"]]))
         if mesh.with_ring:
             own = own + assembly.pairing.centers_mm[mesh.planet]
-        normal = mesh.in_carrier(np.column_stack([column["normal_x"], column["normal_y"]]))
+        normal = mesh.in_common_frame(np.column_stack([column["normal_x"], column["normal_y"]]))
         tables.append(
             {
                 "site": np.full(len(own), mesh.planet + 1),

@@ -79,7 +79,7 @@ class MemberOfStage:
         vectors = [turned(part.reshape(-1, 2), turn) for part in (moved, forces)]
         stress = stress_in_world(loaded.stress_MPa(moved), turn)
         if self.is_ring:  # out of the mirror image, which is that of the mesh of planet 1
-            points, *vectors = (first.in_carrier(part) for part in (points, *vectors))
+            points, *vectors = (first.in_common_frame(part) for part in (points, *vectors))
             stress[:, 3] *= -1.0
             stress = stress_in_world(stress, first.frame_rad)
         elif self.number > 0:
@@ -105,7 +105,7 @@ class MemberOfStage:
         (low, high), (begin, end) = body.mode_range_mm, loaded.body.mode_range_mm
         s = begin + (s - low) * ((end - begin) / (high - low))
         amount = np.outer(table.force_N[carries], 0.5 * weights).ravel()
-        force = mesh.in_carrier(table.normal[carries]) * (1.0 if own == 1 else -1.0)
+        force = mesh.in_common_frame(table.normal[carries]) * (1.0 if own == 1 else -1.0)
         if self.is_ring:
             tooth = -tooth % body.teeth
             force = turned(force, -first.frame_rad) * np.array([1.0, first.sense])

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from flankload.base.rounding import TIE
-from flankload.contact.status import on_corner
 from flankload.mechanisms.flank_pair.premises import (
     CONTACT_RATIO,
-    DEFLECTION,
-    PRESSURE,
     broken_rims,
 )
-from flankload.mechanisms.premises import Broken, Torque, broken_by_turn, largest_turn
+from flankload.mechanisms.premises import Broken
+from flankload.mechanisms.several_meshes import broken_by_torque
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,16 +36,5 @@ def broken_by_load(
     scene: Scene, assembly: StageAssembly, states: StageStates, number: int
 ) -> Iterator[Broken]:
     """Premises that a torque violates: small deflections, small strains."""
-    torque, found = Torque(scene, number), states.found[number]
-    turned_rad = largest_turn(found.planets.torque_Nmm * found.planets.tangent_rad_per_Nmm)
-    yield from broken_by_turn(turned_rad, assembly.pairing.pitch_rad, torque)
-    sun = assembly.bodies[0]
-    deflection = turned_rad * sun.reference_radius_mm / scene.body_1.module_mm  # type: ignore[union-attr]
-    if deflection > DEFLECTION.limit:
-        yield torque.broken(DEFLECTION, f"{deflection:.3g} of a module")
-    modulus = min(body.material.young_modulus_MPa for body in assembly.bodies)
-    smooth = ~on_corner(found.planets.site_corner)
-    peaks = found.planets.site_peak_N_per_mm / assembly.slices[0].compliance_width_mm
-    largest = float(np.max(peaks, initial=0.0, where=smooth)) / modulus
-    if largest > PRESSURE.limit:
-        yield torque.broken(PRESSURE, f"{largest:.3g} of Young's modulus")
+    width = assembly.slices[0].compliance_width_mm
+    yield from broken_by_torque(scene, assembly, states.found[number].planets, number, width)

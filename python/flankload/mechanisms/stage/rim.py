@@ -56,4 +56,4 @@ def motion_of_rim(
     turns = mesh.turns(assembly.position_rad)[:, 1] + first + 2.0 * np.pi * own / teeth
     orbit = turned(every @ motion.body.T, turns)
     radial = every @ motion.radial.T
-    return radial[:, -np.arange(teeth) % teeth], mesh.in_carrier(orbit)
+    return radial[:, -np.arange(teeth) % teeth], mesh.in_common_frame(orbit)

@@ -97,7 +97,8 @@ class EffectsAsked(Table, frozen=True, kw_only=True):
     mesh_coupling: Annotated[
         bool,
         about(
-            "false: forces in a gear mesh of a stage do not deform the bodies in its other meshes"
+            "false: forces in a gear mesh of a stage or a train do not deform the bodies in its "
+            "other meshes"
         ),
     ] = True
     temperature_rise_K: Annotated[

@@ -131,8 +131,8 @@ def has_elastic_planets(scene: Scene) -> Switch:
 
 
 def has_coupled_meshes(scene: Scene) -> Switch:
-    """Whether forces in a mesh of a stage deform the bodies in the others."""
-    if scene.stage is None:
+    """Whether forces in a mesh of a stage or a train deform the bodies in the others."""
+    if scene.stage is None and scene.train is None:
         return Switch(False, NO_STAGE, False)
     coupled, named = scene.effects.mesh_coupling, "mesh_coupling" in scene.named_effects
     found = f"= {as_key(coupled)}" if named else "absent"

@@ -1,0 +1,1 @@
+"""Trains of three external gears: an idler, or two pinions on one wheel."""

@@ -1,0 +1,198 @@
+"""Both gear meshes of a train of three external gears, and their phases.
+
+The axis of body 1 is at the origin of the common frame, that of its mate in the first mesh on the
+positive x axis. Body 1 turns counter-clockwise.
+
+Two pinions on a wheel are two pairs in frames turned by their polar angles. The torque turns an
+idler clockwise, so that its coast flanks drive body 2: their mesh is a pair in the mirror image, in
+which they turn counter-clockwise. Its frame is at the idler, with the axis of body 2 on its
+positive x axis and the sign of y reversed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi, radians, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.base.rotation import directions, turned
+from flankload.base.rounding import round_up
+from flankload.pairing.pairing import teeth_until_alike
+from flankload.pairing.placed_mesh import MeshPlace, PlacedMesh, named_warnings, paired
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from flankload.base.arrays import Floats
+    from flankload.bodies.body import Body
+
+#: Tables of the bodies.
+NAMES = ("body_1", "body_2", "body_3")
+
+
+@dataclass(frozen=True)
+class TrainPairing:
+    """Both gear meshes of a train.
+
+    Attributes
+    ----------
+    meshes : two PlacedMesh
+    centers_mm : (3, 2) array
+        Axes of the bodies.
+    teeth : (int, int, int)
+    warnings : tuple of str
+    """
+
+    meshes: tuple[PlacedMesh, PlacedMesh]
+    centers_mm: Floats
+    teeth: tuple[int, int, int]
+    warnings: tuple[str, ...]
+
+    @property
+    def pitch_rad(self) -> float:
+        """Tooth pitch of body 1, rad."""
+        return 2.0 * pi / self.teeth[0]
+
+    @property
+    def members(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Numbers of the bodies of both meshes, from 0."""
+        one, two = (mesh.names for mesh in self.meshes)
+        return (
+            (NAMES.index(one[0]), NAMES.index(one[1])),
+            (NAMES.index(two[0]), NAMES.index(two[1])),
+        )
+
+    @property
+    def common(self) -> int:
+        """Number of the gear in both meshes, from 0."""
+        one, two = self.members
+        return next(body for body in one if body in two)
+
+    @property
+    def is_idler(self) -> bool:
+        """Whether the common gear turns freely between the others."""
+        return self.meshes[1].sense < 0
+
+    @property
+    def pushes(self) -> Floats:
+        """(2, 2) Directions of the forces of body 1 of each mesh on its body 2."""
+        own = []
+        for mesh in self.meshes:
+            gears = mesh.pairing.gear_geometry
+            assert gears is not None
+            alpha = gears.pressure_angle_rad
+            own.append(mesh.in_common_frame(np.array([sin(alpha), cos(alpha)])))
+        return np.stack(own)
+
+    def rows(self, base_radii_mm: Sequence[float]) -> Floats:
+        """(2, 3, 3) Approach of the flanks of each mesh by x, y and rotation of each body."""
+        found = np.zeros((2, 3, 3))
+        for m, (mesh, (one, two)) in enumerate(zip(self.meshes, self.members, strict=True)):
+            found[m, one, :2], found[m, two, :2] = self.pushes[m], -self.pushes[m]
+            for body in (one, two):
+                found[m, body, 2] = mesh.sense * base_radii_mm[body]
+        return found
+
+    def body_angles(self, position_rad: Floats) -> Floats:
+        """(P, 3) Angles of the frames of the bodies in the common frame."""
+        found = np.zeros((position_rad.size, 3))
+        for mesh, members in zip(self.meshes[::-1], self.members[::-1], strict=True):
+            for body, angle in zip(members, mesh.turns(position_rad).T, strict=True):
+                found[:, body] = mesh.frame_rad + mesh.sense * angle
+        return found
+
+
+def repeating_pitches(bodies: Sequence[Body]) -> int:
+    """Tooth pitches of body 1 after which everything repeats."""
+    return int(np.lcm.reduce([teeth_until_alike(body) for body in bodies]))
+
+
+def idler_pairing(
+    bodies: tuple[Body, Body, Body],
+    angle_deg: float,
+    distances_mm: tuple[float, float],
+    position_rad: Floats,
+) -> TrainPairing:
+    """Body 1 drives body 3, which drives body 2.
+
+    Parameters
+    ----------
+    bodies : Body, Body, Body
+        Bodies 1, 2, 3.
+    angle_deg : float
+        At the axis of body 3, counter-clockwise from body 1 to body 2.
+    distances_mm : (float, float)
+        Centre distances of both meshes.
+    position_rad : (P,) array
+
+    Raises
+    ------
+    SceneError
+        If flanks cannot mesh.
+    """
+    driver, driven, idler = bodies
+    names = ("body_1", "body_3"), ("body_3", "body_2")
+    one = paired(names[0], (driver, idler), distances_mm[0])
+    two = paired(names[1], (idler, driven), distances_mm[1])
+    assert idler.involute is not None
+    frame, rate = pi + radians(angle_deg), driver.teeth / idler.teeth
+    # the idler's frame in the mirror image at position zero of its mesh with body 1
+    mirrored = frame - one.turns_at_zero_rad[1] - 2.0 * idler.involute.turn_rad
+    base = (mirrored - two.turns_at_zero_rad[0]) / two.pitch_rad
+    # half a pitch is no decision: phases are above -1/2, at most 1/2
+    back = -int(round_up(base - 0.5))
+    offset = (base + back) * two.pitch_rad
+    first = MeshPlace((driver, idler), (0, 0), (1, -1), (-1, 1)).of(one, position_rad)
+    place = MeshPlace((idler, driven), (-back, 0), (-1, 1), (0, 1))
+    second = place.of(two, offset + rate * position_rad)
+    centers = np.array([[0.0, 0.0], [distances_mm[0], 0.0], [distances_mm[0], 0.0]])
+    centers[1] += distances_mm[1] * directions(np.array([frame]))[0]
+    return TrainPairing(
+        meshes=(
+            PlacedMesh(names[0], first, 0.0, 1.0, 0.0, 1),
+            PlacedMesh(names[1], second, offset, rate, frame, -1),
+        ),
+        centers_mm=centers,
+        teeth=(driver.teeth, driven.teeth, idler.teeth),
+        warnings=(
+            *named_warnings(one, names[0], "bodies 1 and 3"),
+            *named_warnings(two, names[1], "bodies 3 and 2"),
+        ),
+    )
+
+
+def two_pinions_pairing(
+    bodies: tuple[Body, Body, Body],
+    angle_deg: float,
+    distances_mm: tuple[float, float],
+    position_rad: Floats,
+) -> TrainPairing:
+    """Body 1 drives bodies 2 and 3; parameters as of `idler_pairing`, the angle is at body 1."""
+    wheel, *pinions = bodies
+    names = ("body_1", "body_2"), ("body_1", "body_3")
+    meshes: list[PlacedMesh] = []
+    warnings: list[str] = []
+    for own, pinion, angle, distance in zip(
+        names, pinions, (0.0, angle_deg), distances_mm, strict=True
+    ):
+        pair = paired(own, (wheel, pinion), distance)
+        # whole turns of the angle stay exact: the phase is that of the teeth of the wheel
+        part = -wheel.teeth * angle % 360.0
+        part -= 360.0 if part > 180.0 else 0.0
+        tooth = round((part + wheel.teeth * angle) / 360.0)
+        offset = part / 360.0 * pair.pitch_rad
+        place = MeshPlace((wheel, pinion), (tooth, 0), (1, -1), (-1, 1))
+        placed = place.of(pair, offset + position_rad)
+        meshes.append(PlacedMesh(own, placed, offset, 1.0, radians(angle), 1))
+        warnings += named_warnings(pair, own, f"bodies 1 and {own[1][-1]}")
+    centers = np.zeros((3, 2))
+    centers[1] = distances_mm[0], 0.0
+    centers[2] = turned(np.array([distances_mm[1], 0.0]), np.array([radians(angle_deg)]))[0]
+    return TrainPairing(
+        meshes=(meshes[0], meshes[1]),
+        centers_mm=centers,
+        teeth=(wheel.teeth, pinions[0].teeth, pinions[1].teeth),
+        warnings=tuple(warnings),
+    )
