@@ -75,6 +75,8 @@ def tables() -> dict[str, Any]:
         found[kind.__name__] = kind(found[one], found[two], torque_Nm=10, **keys)
     stage = (found["Gear"], found["Gear"], found["Ring"])
     found["PlanetaryStage"] = fl.PlanetaryStage(*stage, planets=3, torque_Nm=10)
+    for train in (fl.IdlerTrain, fl.TwoPinions):
+        found[train.__name__] = train(*[found["Gear"]] * 3, face_width_mm=20, torque_Nm=10)
     profiles = (getattr(body, "profile", None) for body in bodies)
     return {
         **found,
