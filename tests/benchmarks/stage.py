@@ -16,7 +16,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import flankload as fl
-from flankload.contact.stage_contact import sweep_stage
+from flankload.contact.meshes_contact import sweep_meshes
 from flankload.mechanisms.stage.assembly import assemble
 from flankload.mechanisms.stage.mechanism import MECHANISM
 from flankload.mechanisms.stage_clock import StageClock
@@ -48,7 +48,7 @@ def _lines() -> list[str]:
         assembly, compliances = MECHANISM.compliances(own, assemble(own), clock, {})
         contact = assembly.contact(own, compliances)
         for torques in (own.torques_Nmm, tuple(np.linspace(300e3, 600e3, 5))):
-            seconds = _least(partial(sweep_stage, contact, assembly.position_rad, torques))
+            seconds = _least(partial(sweep_meshes, contact, assembly.position_rad, torques))
             words = f"{level}, a state of {len(torques)} torque(s)"
             lines.append(_row(words, seconds / (POSITIONS * len(torques)), WANTED[level]))
     lumped = scene.replace({"effects.contact": "lumped"})
@@ -75,7 +75,7 @@ def _of_width() -> list[str]:
     clock = StageClock(None, MECHANISM.body_names, 1, {})
     assembly, compliances = MECHANISM.compliances(scene, assemble(scene), clock, {})
     contact = assembly.contact(scene, compliances)
-    seconds = _least(partial(sweep_stage, contact, assembly.position_rad, scene.torques_Nmm))
+    seconds = _least(partial(sweep_meshes, contact, assembly.position_rad, scene.torques_Nmm))
     state = _row("helical, a state", seconds / POSITIONS_OF_WIDTH, WANTED_OF_WIDTH["lumped"])
     prepared = fl.prepare(scene)
     prepared.solve()

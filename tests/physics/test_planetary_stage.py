@@ -8,7 +8,7 @@ import pytest
 
 import flankload as fl
 from flankload.contact.meshes import solve_meshes
-from flankload.contact.stage_contact import stage_problem
+from flankload.contact.meshes_contact import meshes_problem
 from flankload.mechanisms import Parts
 from flankload.mechanisms.displaced import are_displaced, run_displaced
 from flankload.mechanisms.registry import mechanism_of
@@ -481,7 +481,7 @@ def test_a_stage_in_a_mirror(contact):
     meshes = [replace(m, frame_rad=-m.frame_rad, sense=-m.sense) for m in one.pairing.meshes]
     mirrored = replace(one.pairing, angles_rad=-one.pairing.angles_rad, meshes=tuple(meshes))
     image = replace(one, pairing=mirrored)
-    problems = [stage_problem(c, assembly.position_rad, scene.torques_Nmm) for c in (one, image)]
+    problems = [meshes_problem(c, assembly.position_rad, scene.torques_Nmm) for c in (one, image)]
     flip = np.array([1.0, -1.0, -1.0])
     bodies, of_meshes, motions, angles, loads, moved = problems[1]
     turned = [m if m.kind == "x" else replace(m, sign=-m.sign) for m in motions]

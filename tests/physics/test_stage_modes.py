@@ -9,7 +9,7 @@ import pytest
 import flankload as fl
 from flankload.analysis.stage_modes import Inertia, StageSystem, Support
 from flankload.bodies.mass import mass_of
-from flankload.contact.stage_contact import sweep_stage
+from flankload.contact.meshes_contact import sweep_meshes
 from flankload.contact.stage_stiffness import contact_stiffness
 from flankload.errors import SceneError
 from flankload.mechanisms.stage.assembly import NAMES, assemble
@@ -106,17 +106,17 @@ def test_the_stiffness_is_that_of_the_stage(floating, changes):
         scene, assemble(scene), StageClock(None, NAMES, 1, {}), {}
     )
     contact, at = assembly.contact(scene, compliances), assembly.position_rad
-    [found] = sweep_stage(contact, at, scene.torques_Nmm)
+    [found] = sweep_meshes(contact, at, scene.torques_Nmm)
     for p, stiffness in enumerate(contact_stiffness(contact, found, at)):
         total = stiffness.copy()
-        for j in range(contact.count):
+        for j in range(contact.pairing.count):
             pin = contact.springs[1 + j, :2, 1 + j, :2]
             own = slice(3 + 3 * j, 5 + 3 * j)
             total[own, own] += np.linalg.inv(pin)
         free = [*([0, 1] if floating == "sun" else []), *range(2, 15)]
         compliance = np.linalg.inv(total[np.ix_(free, free)])
         turn = free.index(2)
-        tangent = found.planets.tangent_rad_per_Nmm[p]
+        tangent = found.whole.tangent_rad_per_Nmm[p]
         assert compliance[turn, turn] == pytest.approx(tangent, rel=TANGENT)
 
 

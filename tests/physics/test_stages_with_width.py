@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.contact.stage_contact import sweep_displaced
+from flankload.contact.meshes_contact import sweep_displaced
 from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.modes import stage_modes
 from flankload.mechanisms.stage.states import compliances_of, counted_work
@@ -265,7 +265,8 @@ def test_pins_displaced_by_their_load_are_pins_with_errors(contact):
     springs = {"carrier": CARRIER, "pin_stiffness_N_per_um": 500, **TILTING}
     soft = stage(stage=springs, load=LIGHT, effects={"contact": contact})
     scene = fl.Scene.from_dict(wide(stage=springs))
-    compliance = assemble(scene).supports.compliances(soft.stage.planet_angles_rad)[1:-1, :, 1:-1]
+    assembly = assemble(scene)
+    compliance = assembly.supports.compliances(assembly.pairing)[1:-1, :, 1:-1]
     wrenches = np.zeros((3, 6))
     wrenches[:, :2], wrenches[:, 2] = soft.pin_force_N[0], soft.stage.planet_axial_force_N[0]
     wrenches[:, 3:5] = 1000 * soft.stage.planet_moment_Nm[0]
@@ -323,7 +324,7 @@ def test_designs_of_a_helical_stage_share_their_positions():
     found = sweep_displaced(contacts, assembly.position_rad, scenes[0].torques_Nmm)
     radius = assembly.bodies[0].reference_radius_mm
     for (sweep,), one in zip(found, alone, strict=True):
-        np.testing.assert_allclose(1000 * radius * sweep.planets.rotation_rad, one, rtol=1e-8)
+        np.testing.assert_allclose(1000 * radius * sweep.whole.rotation_rad, one, rtol=1e-8)
 
 
 def test_modes_of_a_stage_with_width_are_refused():

@@ -8,10 +8,9 @@ import numpy as np
 
 from flankload.contact.body_record import core_sites, records_of
 from flankload.contact.meshes import motion_numbers
+from flankload.contact.meshes_contact import meshes_problem
 from flankload.contact.pair_table import columns_of
-from flankload.contact.stage_contact import stage_problem
 from flankload.contact.sweep import motion_of
-from flankload.contact.train_contact import train_problem
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -19,8 +18,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.contact.flank_contact import FlankContact
     from flankload.contact.meshes import Motion
-    from flankload.contact.stage_contact import StageContact
-    from flankload.contact.train_contact import TrainContact
+    from flankload.contact.meshes_contact import AnyContact
     from flankload.pairing.gear_mesh import GearMesh
 
     Records = Mapping[str, Floats]
@@ -51,31 +49,18 @@ def pair_records(
     }
 
 
-def stage_records(
-    contact: StageContact, position_rad: Floats, torques_Nmm: Sequence[float]
+def meshes_records(
+    contact: AnyContact, position_rad: Floats, torques_Nmm: Sequence[float]
 ) -> Records:
-    """Records of all bodies and meshes of a stage, and the motions."""
-    problem = stage_problem(contact, position_rad, torques_Nmm)
-    bodies, meshes = problem[:2]
-    planets = [f"planet_{j + 1}" for j in range(contact.count)]
-    names = [*(f"sun_{planet}" for planet in planets), *(f"{planet}_ring" for planet in planets)]
+    """Records of all bodies and meshes of a drive, and the motions."""
+    problem = meshes_problem(contact, position_rad, torques_Nmm)
+    bodies, names = contact.pairing.body_names, []
+    for mesh in contact.pairing.meshes:
+        one, two = mesh.members
+        names.append(f"{bodies[one]}_{bodies[two]}")
     return {
-        **dict(zip(["sun", *planets, "ring"], bodies, strict=True)),
-        **dict(zip(names, meshes, strict=True)),
-        "motion": _motions_of_meshes(contact.meshes, problem),
-    }
-
-
-def train_records(
-    contact: TrainContact, position_rad: Floats, torques_Nmm: Sequence[float]
-) -> Records:
-    """Records of the bodies and meshes of a gear train, and the motions."""
-    problem = train_problem(contact, position_rad, torques_Nmm)
-    bodies, meshes = problem[:2]
-    names = ["_".join(mesh.names) for mesh in contact.meshes]
-    return {
-        **{f"body_{b + 1}": body for b, body in enumerate(bodies)},
-        **dict(zip(names, meshes, strict=True)),
+        **dict(zip(bodies, problem[0], strict=True)),
+        **dict(zip(names, problem[1], strict=True)),
         "motion": _motions_of_meshes(contact.meshes, problem),
     }
 

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.contact.meshes import Motion, solve_meshes
-from flankload.contact.stage_supports import StageSupports
+from flankload.contact.stage_supports import StageContact, StageSupports
 from flankload.contact.status import raise_first_failure
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.contact.stage_contact import StageContact, StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
 
 #: Step of the displacements over the largest one of a body: the differences change by 1e-4 between
 #: a third of it and three times it, as by the cells of a contact that follow its width.
 STEP = 1e-3
 
 
-def contact_stiffness(contact: StageContact, found: StageSweep, position_rad: Floats) -> Floats:
+def contact_stiffness(contact: StageContact, found: MeshesSweep, position_rad: Floats) -> Floats:
     """Stiffness of the contacts at each position under the torque of a sweep.
 
     The bodies are displaced one by one from their places in the state while the torque turns the
@@ -39,7 +39,7 @@ def contact_stiffness(contact: StageContact, found: StageSweep, position_rad: Fl
     """
     places = _places(contact, found, position_rad)
     n_positions, n = places.shape[:2]
-    turn, torque = 2, found.planets.torque_Nmm
+    turn, torque = 2, found.whole.torque_Nmm
     # one rotation moves the flanks of a body by about one displacement
     radius = contact.bodies[0].reference_radius_mm
     scale = np.tile([1.0, 1.0, 1.0 / radius], n)
@@ -67,14 +67,15 @@ def contact_stiffness(contact: StageContact, found: StageSweep, position_rad: Fl
     return 0.5 * (stiffness + stiffness.transpose(0, 2, 1))
 
 
-def _places(contact: StageContact, found: StageSweep, position_rad: Floats) -> Floats:
+def _places(contact: StageContact, found: MeshesSweep, position_rad: Floats) -> Floats:
     """(P, n + 2, 3) Displacements of sun, planets and ring in their states; the sun does not turn.
 
     A planet without load has any rotation: none.
     """
     places = contact.errors.displacements(contact.pairing, position_rad).copy()
     places[:, :, :2] += found.moved_mm
-    places[:, 1:-1, 2] -= np.nan_to_num(found.motions[:, 1 : 1 + contact.count])
+    planets = len(contact.pairing.axes_mm) - 2
+    places[:, 1:-1, 2] -= np.nan_to_num(found.motions[:, 1 : 1 + planets])
     return places
 
 

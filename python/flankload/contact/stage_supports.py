@@ -9,10 +9,10 @@ import numpy as np
 
 from flankload.base.rotation import directions
 from flankload.contact.meshes import Motion
+from flankload.contact.meshes_contact import MeshesContact
+from flankload.pairing.stage import StagePairing
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from flankload.base.arrays import Floats
 
 Floating = Literal["none", "sun", "ring", "carrier"]
@@ -51,16 +51,20 @@ class StageSupports:
     tilt_Nmm_per_rad: tuple[Pair, Pair, Pair] = (None, None, None)
     carrier: Floats | None = None
 
-    def compliances(self, angles_rad: Floats) -> Floats:
+    def turn_rad(self, pairing: StagePairing) -> float:
+        """Angle from the frame of the motions to that of the carrier: none."""
+        return 0.0
+
+    def compliances(self, pairing: StagePairing) -> Floats:
         """(n + 2, 6, n + 2, 6) Motions of sun, planets, ring on springs by forces and moments.
 
         mm and rad per N and N mm in the frame of the carrier, of the section in the middle of each
-        width; `angles_rad` (n,): polar angles of the planets.
+        width.
         """
         radial_N_per_mm = self.sun_N_per_mm
         sun = None if radial_N_per_mm is None else (radial_N_per_mm, radial_N_per_mm)
         of_sun, of_pins, of_ring = self.tilt_Nmm_per_rad
-        planets = [_on_springs(self.pin_N_per_mm, of_pins, float(angle)) for angle in angles_rad]
+        planets = [_on_springs(self.pin_N_per_mm, of_pins, angle) for angle in pairing.angles_rad]
         own = [_on_springs(sun, of_sun), *planets, _on_springs(None, of_ring)]
         found = np.zeros((len(own), 6, len(own), 6))
         for b, compliance in enumerate(own):
@@ -69,8 +73,9 @@ class StageSupports:
             found[1:-1, :, 1:-1] += self.carrier
         return found
 
-    def motions(self, count: int) -> tuple[Motion, ...]:
+    def motions(self, pairing: StagePairing) -> tuple[Motion, ...]:
         """Rotations of the sun and of the planets, clockwise, then those of a floating member."""
+        count = pairing.count
         turning = [Motion(0), *(Motion(1 + j, sign=-1) for j in range(count))]
         bodies = {"sun": (0, 0), "carrier": (1, count), "ring": (1 + count, 1 + count)}
         member = self.moving
@@ -88,13 +93,16 @@ class StageSupports:
             return None
         return self.floating
 
-    def loads(self, torques_Nmm: Sequence[float] | Floats, count: int) -> Floats:
+    def loads(self, pairing: StagePairing, torques_Nmm: Floats) -> Floats:
         """(T, q) Loads of the motions."""
-        found = np.zeros((len(torques_Nmm), len(self.motions(count))))
+        found = np.zeros((torques_Nmm.size, len(self.motions(pairing))))
         found[:, 0] = torques_Nmm
         if self.moving == "sun":
-            found[:, 1 + count :] = self.sun_load_N
+            found[:, 1 + pairing.count :] = self.sun_load_N
         return found
+
+
+StageContact = MeshesContact[StagePairing, StageSupports]
 
 
 def _on_springs(radial: Pair, tilting: Pair, angle_rad: float = 0.0) -> Floats:

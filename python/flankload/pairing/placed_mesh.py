@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from math import pi
+from math import cos, pi, sin
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,6 +14,8 @@ from flankload.errors import SceneError
 from flankload.pairing.pairing import Pairing, at_sites, pair_bodies, path_sites, pitch_turns
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
 
@@ -35,6 +37,8 @@ class PlacedMesh:
         Angle from the common frame to that of the mesh.
     sense : int
         1; -1 if the frame of the mesh is a mirror image.
+    members : (int, int)
+        Numbers of both bodies among all bodies of the drive.
     """
 
     names: tuple[str, str]
@@ -43,6 +47,7 @@ class PlacedMesh:
     rate: float
     frame_rad: float
     sense: int
+    members: tuple[int, int]
 
     @property
     def phase(self) -> float:
@@ -61,6 +66,73 @@ class PlacedMesh:
         """Vectors (…, 2) of the frame of the mesh in the common one."""
         along, across = directions(np.array([self.frame_rad, self.frame_rad + 0.5 * pi]))
         return np.asarray(vectors[..., :1] * along + self.sense * vectors[..., 1:] * across)
+
+    @property
+    def push(self) -> Floats:
+        """(2,) Direction of the force of body 1 on body 2 on the line of action."""
+        gears = self.pairing.gear_geometry
+        assert gears is not None
+        alpha = gears.pressure_angle_rad
+        # flanks of a body within a ring meet on the other side of its axis
+        side = np.sign(self.pairing.ratio)
+        return self.in_common_frame(side * np.array([sin(alpha), cos(alpha)]))
+
+
+@dataclass(frozen=True)
+class PlacedMeshes:
+    """All gear meshes of B bodies in a common frame, in which body 1 turns counter-clockwise.
+
+    Attributes
+    ----------
+    meshes : tuple of PlacedMesh
+    axes_mm : (B, 2) array
+        Axes of the bodies.
+    teeth : tuple of int
+        Tooth numbers of the tables of the scene.
+    warnings : tuple of str
+    """
+
+    meshes: tuple[PlacedMesh, ...]
+    axes_mm: Floats
+    teeth: tuple[int, int, int]
+    warnings: tuple[str, ...]
+
+    @property
+    def tables(self) -> tuple[int, ...]:
+        """(B,) Number of the table of each body, from 0."""
+        return tuple(range(len(self.axes_mm)))
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """(B,) Names of the bodies in files."""
+        return tuple(f"body_{b + 1}" for b in range(len(self.axes_mm)))
+
+    @property
+    def site_meshes(self) -> tuple[tuple[int, ...], ...]:
+        """Meshes of each site of a result, whose force is that in the first one."""
+        return tuple((m,) for m in range(len(self.meshes)))
+
+    @property
+    def pitch_rad(self) -> float:
+        """Tooth pitch of body 1, rad."""
+        return 2.0 * pi / self.teeth[0]
+
+    def is_image(self, m: int) -> bool:
+        """Whether a mesh is in the mirror image of the first one: its flanks are coast flanks."""
+        return self.meshes[m].sense != self.meshes[0].sense
+
+    def meshes_of(self, body: int) -> list[tuple[int, int]]:
+        """Number of each mesh of a body, and of the body in it."""
+        every = enumerate(mesh.members for mesh in self.meshes)
+        return [(m, both.index(body)) for m, both in every if body in both]
+
+    def rows(self, base_radii_mm: Sequence[float]) -> Floats:
+        """(M, B, 3) Approach of the flanks of each mesh by x, y and rotation of each body."""
+        found = np.zeros((len(self.meshes), len(self.axes_mm), 3))
+        for row, mesh in zip(found, self.meshes, strict=True):
+            for body, side in zip(mesh.members, (1.0, -1.0), strict=True):
+                row[body] = *(side * mesh.push), mesh.sense * base_radii_mm[self.tables[body]]
+        return found
 
 
 def paired(names: tuple[str, str], bodies: tuple[Body, Body], distance_mm: float) -> Pairing:

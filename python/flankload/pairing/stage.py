@@ -24,7 +24,13 @@ import numpy as np
 
 from flankload.base.rotation import directions
 from flankload.pairing.pairing import teeth_until_alike
-from flankload.pairing.placed_mesh import MeshPlace, PlacedMesh, named_warnings, paired
+from flankload.pairing.placed_mesh import (
+    MeshPlace,
+    PlacedMesh,
+    PlacedMeshes,
+    named_warnings,
+    paired,
+)
 from flankload.pairing.slices import reached_positions
 
 if TYPE_CHECKING:
@@ -56,8 +62,10 @@ class StageMesh(PlacedMesh):
 
 
 @dataclass(frozen=True)
-class StagePairing:
-    """All gear meshes of a stage of n planets.
+class StagePairing(PlacedMeshes):
+    """All gear meshes of a stage: bodies are the sun, n planets, and the ring.
+
+    Meshes are those with the sun in the order of the planets, then those with the ring.
 
     Attributes
     ----------
@@ -65,23 +73,16 @@ class StagePairing:
         Polar angles of the planets.
     places : tuple of n int
         Their angles from planet 1, in parts of a turn over the teeth of sun and ring.
-    teeth : (int, int, int)
-        Tooth numbers of sun, planet and ring.
     center_distance_mm : float
-    meshes : tuple of 2 n StageMesh
-        Those with the sun in the order of the planets, then those with the ring.
     ring_turn_rad : float
         Angle of the centre line of a space in the frame of the ring.
-    warnings : tuple of str
     """
 
+    meshes: tuple[StageMesh, ...]
     angles_rad: Floats
     places: tuple[int, ...]
-    teeth: tuple[int, int, int]
     center_distance_mm: float
-    meshes: tuple[StageMesh, ...]
     ring_turn_rad: float
-    warnings: tuple[str, ...]
 
     @property
     def count(self) -> int:
@@ -89,14 +90,24 @@ class StagePairing:
         return len(self.places)
 
     @property
-    def pitch_rad(self) -> float:
-        """Tooth pitch of the sun, rad."""
-        return 2.0 * pi / self.teeth[0]
+    def tables(self) -> tuple[int, ...]:
+        """(n + 2,) Number of the table of each body, from 0."""
+        return (0, *(1 for _ in self.places), 2)
+
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """(n + 2,) Names of the bodies in files."""
+        return ("sun", *(f"planet_{j + 1}" for j in range(self.count)), "ring")
+
+    @property
+    def site_meshes(self) -> tuple[tuple[int, ...], ...]:
+        """(n, 2) Meshes of each planet, with the sun and with the ring."""
+        return tuple((j, self.count + j) for j in range(self.count))
 
     @property
     def centers_mm(self) -> Floats:
         """(n, 2) Axes of the planets in the frame of the carrier."""
-        return np.asarray(self.center_distance_mm * directions(self.angles_rad))
+        return self.axes_mm[1:-1]
 
     @property
     def equally_spaced(self) -> bool:
@@ -198,7 +209,7 @@ def stage_pairing(
         offset, frame = phase * pair_sun.pitch_rad, float(angles[j])
         place = MeshPlace((sun, planet), (turn, 0), (1, -1), (-1, 1))
         own = place.of(pair_sun, reached_positions(offset + position_rad, sun))
-        meshes[SUN_MESH].append(StageMesh(SUN_MESH, own, offset, 1.0, frame, 1, j))
+        meshes[SUN_MESH].append(StageMesh(SUN_MESH, own, offset, 1.0, frame, 1, (0, 1 + j), j))
         back = -round(base + phase)
         first_turn = back if j == 0 else first_turn
         ring_turn = places[j] - turn - (back - first_turn)
@@ -206,8 +217,12 @@ def stage_pairing(
         place = MeshPlace((planet, ring), (-back, ring_turn), (-1, -1), (0, 1))
         reached = reached_positions(offset + rate * position_rad, image)
         own = place.of(pair_ring, reached)
-        meshes[RING_MESH].append(StageMesh(RING_MESH, own, offset, rate, frame + pi, -1, j))
+        members = 1 + j, 1 + len(suns)
+        meshes[RING_MESH].append(
+            StageMesh(RING_MESH, own, offset, rate, frame + pi, -1, members, j)
+        )
     return StagePairing(
+        axes_mm=center_distance_mm * np.pad(directions(angles), ((1, 1), (0, 0))),
         angles_rad=angles,
         places=tuple(places),
         teeth=(sun.teeth, planet.teeth, ring.teeth),

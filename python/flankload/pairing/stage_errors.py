@@ -55,6 +55,16 @@ class StageErrors:
         """Whether an error turns with a body, relative to the carrier."""
         return bool(self.sun_mm[0] or self.ring_mm[0])
 
+    def thickness(self, body: int) -> float:
+        """Excess of the normal thickness of the teeth of a planet, mm; none of sun and ring."""
+        return float(self.thickness_mm[body - 1]) if 0 < body <= len(self.thickness_mm) else 0.0
+
+    def tilt(self, body: int) -> Floats | None:
+        """(2,) Rotation of a planet with its pin about x and y, rad, if any is tilted."""
+        if self.tilts_rad is None or not 0 < body <= len(self.tilts_rad):
+            return None
+        return self.tilts_rad[body - 1]
+
     def displacements(self, pairing: StagePairing, position_rad: Floats) -> Floats:
         """(P, n + 2, 3) Displacements x, y (mm) and rotation of sun, planets and ring."""
         n, ratio = len(self.pins_mm), pairing.teeth[0] / pairing.teeth[2]

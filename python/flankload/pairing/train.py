@@ -11,8 +11,7 @@ positive x axis and the sign of y reversed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import cos, pi, radians, sin
+from math import pi, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +19,13 @@ import numpy as np
 from flankload.base.rotation import directions, turned
 from flankload.base.rounding import round_up
 from flankload.pairing.pairing import teeth_until_alike
-from flankload.pairing.placed_mesh import MeshPlace, PlacedMesh, named_warnings, paired
+from flankload.pairing.placed_mesh import (
+    MeshPlace,
+    PlacedMesh,
+    PlacedMeshes,
+    named_warnings,
+    paired,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,74 +37,25 @@ if TYPE_CHECKING:
 NAMES = ("body_1", "body_2", "body_3")
 
 
-@dataclass(frozen=True)
-class TrainPairing:
-    """Both gear meshes of a train.
-
-    Attributes
-    ----------
-    meshes : two PlacedMesh
-    centers_mm : (3, 2) array
-        Axes of the bodies.
-    teeth : (int, int, int)
-    warnings : tuple of str
-    """
-
-    meshes: tuple[PlacedMesh, PlacedMesh]
-    centers_mm: Floats
-    teeth: tuple[int, int, int]
-    warnings: tuple[str, ...]
-
-    @property
-    def pitch_rad(self) -> float:
-        """Tooth pitch of body 1, rad."""
-        return 2.0 * pi / self.teeth[0]
-
-    @property
-    def members(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """Numbers of the bodies of both meshes, from 0."""
-        one, two = (mesh.names for mesh in self.meshes)
-        return (
-            (NAMES.index(one[0]), NAMES.index(one[1])),
-            (NAMES.index(two[0]), NAMES.index(two[1])),
-        )
+class TrainPairing(PlacedMeshes):
+    """Both gear meshes of a train."""
 
     @property
     def common(self) -> int:
         """Number of the gear in both meshes, from 0."""
-        one, two = self.members
+        one, two = (mesh.members for mesh in self.meshes)
         return next(body for body in one if body in two)
 
     @property
     def is_idler(self) -> bool:
         """Whether the common gear turns freely between the others."""
-        return self.meshes[1].sense < 0
-
-    @property
-    def pushes(self) -> Floats:
-        """(2, 2) Directions of the forces of body 1 of each mesh on its body 2."""
-        own = []
-        for mesh in self.meshes:
-            gears = mesh.pairing.gear_geometry
-            assert gears is not None
-            alpha = gears.pressure_angle_rad
-            own.append(mesh.in_common_frame(np.array([sin(alpha), cos(alpha)])))
-        return np.stack(own)
-
-    def rows(self, base_radii_mm: Sequence[float]) -> Floats:
-        """(2, 3, 3) Approach of the flanks of each mesh by x, y and rotation of each body."""
-        found = np.zeros((2, 3, 3))
-        for m, (mesh, (one, two)) in enumerate(zip(self.meshes, self.members, strict=True)):
-            found[m, one, :2], found[m, two, :2] = self.pushes[m], -self.pushes[m]
-            for body in (one, two):
-                found[m, body, 2] = mesh.sense * base_radii_mm[body]
-        return found
+        return self.is_image(1)
 
     def body_angles(self, position_rad: Floats) -> Floats:
         """(P, 3) Angles of the frames of the bodies in the common frame."""
         found = np.zeros((position_rad.size, 3))
-        for mesh, members in zip(self.meshes[::-1], self.members[::-1], strict=True):
-            for body, angle in zip(members, mesh.turns(position_rad).T, strict=True):
+        for mesh in self.meshes[::-1]:
+            for body, angle in zip(mesh.members, mesh.turns(position_rad).T, strict=True):
                 found[:, body] = mesh.frame_rad + mesh.sense * angle
         return found
 
@@ -151,10 +107,10 @@ def idler_pairing(
     centers[1] += distances_mm[1] * directions(np.array([frame]))[0]
     return TrainPairing(
         meshes=(
-            PlacedMesh(names[0], first, 0.0, 1.0, 0.0, 1),
-            PlacedMesh(names[1], second, offset, rate, frame, -1),
+            PlacedMesh(names[0], first, 0.0, 1.0, 0.0, 1, (0, 2)),
+            PlacedMesh(names[1], second, offset, rate, frame, -1, (2, 1)),
         ),
-        centers_mm=centers,
+        axes_mm=centers,
         teeth=(driver.teeth, driven.teeth, idler.teeth),
         warnings=(
             *named_warnings(one, names[0], "bodies 1 and 3"),
@@ -174,9 +130,8 @@ def two_pinions_pairing(
     names = ("body_1", "body_2"), ("body_1", "body_3")
     meshes: list[PlacedMesh] = []
     warnings: list[str] = []
-    for own, pinion, angle, distance in zip(
-        names, pinions, (0.0, angle_deg), distances_mm, strict=True
-    ):
+    for k, (own, pinion) in enumerate(zip(names, pinions, strict=True)):
+        angle, distance = (0.0, angle_deg)[k], distances_mm[k]
         pair = paired(own, (wheel, pinion), distance)
         # whole turns of the angle stay exact: the phase is that of the teeth of the wheel
         part = -wheel.teeth * angle % 360.0
@@ -185,14 +140,14 @@ def two_pinions_pairing(
         offset = part / 360.0 * pair.pitch_rad
         place = MeshPlace((wheel, pinion), (tooth, 0), (1, -1), (-1, 1))
         placed = place.of(pair, offset + position_rad)
-        meshes.append(PlacedMesh(own, placed, offset, 1.0, radians(angle), 1))
+        meshes.append(PlacedMesh(own, placed, offset, 1.0, radians(angle), 1, (0, k + 1)))
         warnings += named_warnings(pair, own, f"bodies 1 and {own[1][-1]}")
     centers = np.zeros((3, 2))
     centers[1] = distances_mm[0], 0.0
     centers[2] = turned(np.array([distances_mm[1], 0.0]), np.array([radians(angle_deg)]))[0]
     return TrainPairing(
         meshes=(meshes[0], meshes[1]),
-        centers_mm=centers,
+        axes_mm=centers,
         teeth=(wheel.teeth, pinions[0].teeth, pinions[1].teeth),
         warnings=tuple(warnings),
     )

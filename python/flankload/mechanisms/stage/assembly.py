@@ -12,8 +12,7 @@ from msgspec import structs
 from flankload.base.rotation import directions
 from flankload.bodies.axial_shape import lead_of
 from flankload.bodies.carrier import carrier_compliance
-from flankload.contact.stage_contact import StageContact
-from flankload.contact.stage_supports import StageSupports
+from flankload.contact.stage_supports import StageContact, StageSupports
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import fillets_of, without_ends
 from flankload.mechanisms.flank_pair.rims import rim_notes
@@ -122,12 +121,12 @@ class StageAssembly:
     ) -> StageContact:
         """The contact of all meshes, on the cells of the discretization or others."""
         return StageContact(
-            self.bodies,
-            compliances,
-            self.pairing,
-            self.meshes,
-            self.errors,
-            self.supports,
+            bodies=self.bodies,
+            compliances=compliances,
+            pairing=self.pairing,
+            meshes=self.meshes,
+            errors=self.errors,
+            supports=self.supports,
             grid=grid or self.discretization.grid,
             level=scene.effects.contact,
             coupled=scene.effects.mesh_coupling,

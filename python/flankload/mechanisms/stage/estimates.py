@@ -10,7 +10,7 @@ import numpy as np
 
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import measured_error
-from flankload.contact.stage_contact import sweep_stage
+from flankload.contact.meshes_contact import sweep_meshes
 from flankload.errors import ContactError
 from flankload.mechanisms.elements import (
     account_errors_of_elements,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flankload.analysis.error_rules import RemainingError
-    from flankload.contact.stage_contact import StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.stage.states import Compliances, StageStates
     from flankload.mechanisms.stage_clock import StageClock
@@ -51,12 +51,12 @@ def error_estimates(
     lumped, grid = contact.level == "lumped", contact.grid
     plane, variants = assembly.slices[0].plane, _variants(assembly, compliances)
     weights = np.full(assembly.position_rad.size, 1.0 / assembly.position_rad.size)
-    planets = tuple(one.planets for one in states.found)
-    reduced: dict[int, tuple[StageSweep, ...]] = {}
+    planets = tuple(one.whole for one in states.found)
+    reduced: dict[int, tuple[MeshesSweep, ...]] = {}
     with clock.stage("estimate") as account:
 
         def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
-            reduced[part] = sweep_stage(
+            reduced[part] = sweep_meshes(
                 replace(contact, **other),
                 assembly.position_rad,
                 torques,
@@ -65,7 +65,7 @@ def error_estimates(
                 account=account,
                 progress=clock.sweep_progress("estimate", sweep=part),
             )
-            return tuple(one.planets for one in reduced[part])
+            return tuple(one.whole for one in reduced[part])
 
         estimated = estimate_errors(
             planets,
@@ -88,12 +88,12 @@ def _of_meshes(
     assembly: StageAssembly,
     states: StageStates,
     variants: Variants,
-    reduced: Mapping[int, Sequence[StageSweep]],
+    reduced: Mapping[int, Sequence[MeshesSweep]],
 ) -> list[tuple[Mapping[str, object], ...]]:
     """Estimates of the meshes under each torque; empty without torque."""
     contact, weights = states.contact, weights_of(assembly)
     found: list[tuple[Mapping[str, object], ...]] = [()] * len(states.found)
-    loaded = [t for t, one in enumerate(states.found) if one.planets.torque_Nmm > 0]
+    loaded = [t for t, one in enumerate(states.found) if one.whole.torque_Nmm > 0]
     for m, mesh in enumerate(contact.pairing.meshes if loaded else ()):
         own = contact.compliances[1:] if mesh.with_ring else contact.compliances[:2]
         estimated = estimate_errors(
@@ -111,7 +111,7 @@ def _of_meshes(
 
 
 def _again(
-    reduced: Mapping[int, Sequence[StageSweep]],
+    reduced: Mapping[int, Sequence[MeshesSweep]],
     loaded: Sequence[int],
     m: int,
     *,

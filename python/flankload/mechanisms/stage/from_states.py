@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.base.arrays import Floats
-    from flankload.contact.stage_contact import StageContact, StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
+    from flankload.contact.stage_supports import StageContact
     from flankload.mechanisms.stage.states import Compliances, StageStates
     from flankload.scene import Scene
 
@@ -48,7 +49,7 @@ class MeshResults(Sequence[Result]):
         scene: Scene,
         assembly: StageAssembly,
         compliances: Compliances,
-        found: StageSweep,
+        found: MeshesSweep,
         estimates: Sequence[Mapping[str, object]],
     ) -> None:
         self._made, self._estimates = (scene, assembly, compliances, found), estimates
@@ -91,13 +92,13 @@ def _result(
     scene: Scene,
     assembly: StageAssembly,
     contact: StageContact,
-    found: StageSweep,
+    found: MeshesSweep,
     estimate: Mapping[str, object] | None,
 ) -> Result:
     """Result of a torque."""
     compliances = contact.compliances
     pairing, width = assembly.pairing, assembly.slices[0].compliance_width_mm
-    planets, sun = found.planets, assembly.bodies[0]
+    planets, sun = found.whole, assembly.bodies[0]
     counters = planets.counters.sum(axis=0, dtype=np.int64).tolist()
     return Result(
         name=scene.name,
@@ -136,13 +137,13 @@ def _loads(
     scene: Scene,
     assembly: StageAssembly,
     contact: StageContact,
-    found: StageSweep,
+    found: MeshesSweep,
     of_meshes: Any,
 ) -> StageLoads:
     """Loads of the members; `of_meshes`: error estimates of the meshes, or empty."""
     compliances = contact.compliances
     pairing, n = assembly.pairing, assembly.pairing.count
-    sun_force, force = found.planets.site_force_N, found.resultants
+    sun_force, force = found.whole.site_force_N, found.resultants
     total = sun_force.sum(axis=1)
     factor = np.full(total.shape, np.nan)
     np.divide(n * sun_force.max(axis=1), total, out=factor, where=total > 0)
@@ -153,6 +154,8 @@ def _loads(
     zs, _, zr = pairing.teeth
     even = pairing.equally_spaced and not assembly.errors.any and assembly.period_pitches == 1
     radial, by_bolts = motion_of_rim(assembly, compliances[2], found)
+    floats = assembly.supports.moving == "carrier"
+    carrier_mm = found.motions[:, -2:] if floats else np.zeros((total.size, 2))
     with_sun, with_ring = sliding_losses(assembly, found)
     plane = assembly.slices[0].plane
     kind = StageLoads if plane else StageLoadsOverWidth
@@ -166,12 +169,12 @@ def _loads(
         orbit_orders=orbit_orders(n, zs, HIGHEST_ORDER) if even else (),
         mesh_load_factor=factor,
         ring_torque_Nm=in_newton_metres(ring_torque),
-        carrier_torque_Nm=in_newton_metres(found.planets.torque_Nmm + ring_torque),
-        transmission_error_output_urad=1e6 * found.planets.rotation_rad * zs / (zs + zr),
+        carrier_torque_Nm=in_newton_metres(found.whole.torque_Nmm + ring_torque),
+        transmission_error_output_urad=1e6 * found.whole.rotation_rad * zs / (zs + zr),
         sun_orbit_um=1000.0 * (found.moved_mm[:, 0] + np.asarray(assembly.errors.sun_at_mm)),
         ring_orbit_um=1000.0 * (found.moved_mm[:, -1] + by_bolts),
         ring_deflection_um=1000.0 * radial,
-        carrier_orbit_um=1000.0 * found.carrier_mm,
+        carrier_orbit_um=1000.0 * carrier_mm,
         planet_force_N=on_planets,
         pin_force_N=force[:, 1:-1, :2],
         sun_mesh_sliding_loss_Nm=with_sun,
@@ -181,7 +184,7 @@ def _loads(
     )
 
 
-def _force_on_body_2(assembly: StageAssembly, found: StageSweep, m: int) -> Floats:
+def _force_on_body_2(assembly: StageAssembly, found: MeshesSweep, m: int) -> Floats:
     """(P, 2) Sum of the normal forces of a mesh on its body 2, in the frame of the carrier, N."""
     pairs, mesh = found.meshes[m].pairs, assembly.pairing.meshes[m]
     force = pairs.column("force")
@@ -192,7 +195,7 @@ def _force_on_body_2(assembly: StageAssembly, found: StageSweep, m: int) -> Floa
     return mesh.in_common_frame(np.stack(parts, axis=-1))
 
 
-def _contacts(assembly: StageAssembly, found: StageSweep, p: int) -> PairTable:
+def _contacts(assembly: StageAssembly, found: MeshesSweep, p: int) -> PairTable:
     """Contact pairs of all meshes at a position; sites are planets, the frame is the carrier's."""
     tables = []
     for m, mesh in enumerate(assembly.pairing.meshes):
@@ -251,7 +254,7 @@ def mesh_result(
     scene: Scene,
     assembly: StageAssembly,
     compliances: Compliances,
-    found: StageSweep,
+    found: MeshesSweep,
     m: int,
     estimate: Mapping[str, object] | None = None,
 ) -> Result:

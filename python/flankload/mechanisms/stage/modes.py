@@ -11,7 +11,7 @@ from msgspec import structs
 from flankload.analysis.stage_modes import Inertia, StageModes, StageSystem, Support
 from flankload.base.torque import in_newton_metres
 from flankload.bodies.mass import mass_of
-from flankload.contact.stage_contact import sweep_stage
+from flankload.contact.meshes_contact import sweep_meshes
 from flankload.contact.stage_stiffness import contact_stiffness
 from flankload.errors import SceneError
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
@@ -22,7 +22,8 @@ from flankload.scene.axial import three_dimensional_key
 from flankload.scene.materials import MATERIALS
 
 if TYPE_CHECKING:
-    from flankload.contact.stage_contact import StageContact, StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
+    from flankload.contact.stage_supports import StageContact
     from flankload.scene import Scene
     from flankload.scene.stage import Stage
 
@@ -53,7 +54,7 @@ def stage_modes(scene: Scene) -> tuple[StageModes, ...]:
     assembly = assemble(scene)
     assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
     contact = assembly.contact(scene, compliances)
-    sweeps = sweep_stage(contact, assembly.position_rad, scene.torques_Nmm, keep_pairs=False)
+    sweeps = sweep_meshes(contact, assembly.position_rad, scene.torques_Nmm, keep_pairs=False)
     inertias = _inertias(scene, stage, assembly)
     return tuple(_modes(assembly, contact, found, inertias) for found in sweeps)
 
@@ -84,7 +85,7 @@ def _check(scene: Scene, stage: Stage) -> None:
 def _modes(
     assembly: StageAssembly,
     contact: StageContact,
-    found: StageSweep,
+    found: MeshesSweep,
     inertias: tuple[Inertia, Inertia, Inertia, Inertia],
 ) -> StageModes:
     """Modes under a torque."""
@@ -104,7 +105,7 @@ def _modes(
         inertias=inertias,
         supports=(Support(radial[0], 0.0), Support(radial[1], inf), Support(radial[2], turning)),
     )
-    torque = in_newton_metres(found.planets.torque_Nmm)
+    torque = in_newton_metres(found.whole.torque_Nmm)
     return StageModes(torque, pairing.teeth[0], inertias, system.modes())
 
 

@@ -8,12 +8,13 @@ import numpy as np
 
 from flankload.analysis.load_factors import face_load_factor, largest_line_loads
 from flankload.base.torque import in_newton_metres
-from flankload.contact.stage_wrenches import tilts_of, wrenches_of
+from flankload.contact.wrenches import tilts_of, wrenches_of
 from flankload.result.position_order import order_of
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.contact.stage_contact import StageContact, StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
+    from flankload.contact.stage_supports import StageContact
     from flankload.mechanisms.stage.assembly import StageAssembly
 
 #: Radians in microradians.
@@ -21,7 +22,7 @@ PER_RAD = 1e6
 
 
 def loads_over_width(
-    assembly: StageAssembly, contact: StageContact, found: StageSweep
+    assembly: StageAssembly, contact: StageContact, found: MeshesSweep
 ) -> dict[str, Floats]:
     """Fields of `StageLoadsOverWidth` by name."""
     wrenches = wrenches_of(contact, found.meshes)
@@ -32,9 +33,9 @@ def loads_over_width(
     largest = np.stack([largest_line_loads(mesh) for mesh in found.meshes], axis=-1)
     return {
         "planet_line_load_N_per_mm": np.maximum(
-            largest[:, : contact.count], largest[:, contact.count :]
+            largest[:, : assembly.pairing.count], largest[:, assembly.pairing.count :]
         ),
-        "mesh_face_load_factor": np.reshape(factors, (2, contact.count)),
+        "mesh_face_load_factor": np.reshape(factors, (2, assembly.pairing.count)),
         "sun_axial_force_N": sun[:, 2],
         "ring_axial_force_N": ring[:, 2],
         "planet_axial_force_N": planets[..., 2],

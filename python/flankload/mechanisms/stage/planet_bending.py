@@ -11,14 +11,14 @@ from flankload.result.planet_bending import PlanetBending
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.contact.stage_contact import StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.elasticity.compliance.contributions import RootResponse
     from flankload.mechanisms.stage.assembly import StageAssembly
 
 
 def bending_of_planets(
-    assembly: StageAssembly, planet: BodyCompliance, found: StageSweep
+    assembly: StageAssembly, planet: BodyCompliance, found: MeshesSweep
 ) -> PlanetBending | None:
     """Extremes of the root stress of all planets; None if their compliance contains no stress."""
     root = planet.root
@@ -45,7 +45,7 @@ def _responses(root: RootResponse) -> tuple[Floats, Floats]:
     return root.response[apart], root.response[-apart % teeth.size][:, :, mirrored]
 
 
-def _mode_loads(assembly: StageAssembly, planet: BodyCompliance, found: StageSweep) -> Floats:
+def _mode_loads(assembly: StageAssembly, planet: BodyCompliance, found: MeshesSweep) -> Floats:
     """(2, n, P, z, a) Coefficients of the modes on both flanks of the teeth of all planets, MPa."""
     pairing, modes = assembly.pairing, planet.modes
     n_modes, (low, high) = planet.smooth.shape[1], modes.range_mm

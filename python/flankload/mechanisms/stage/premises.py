@@ -37,4 +37,4 @@ def broken_by_load(
 ) -> Iterator[Broken]:
     """Premises that a torque violates: small deflections, small strains."""
     width = assembly.slices[0].compliance_width_mm
-    yield from broken_by_torque(scene, assembly, states.found[number].planets, number, width)
+    yield from broken_by_torque(scene, assembly, states.found[number].whole, number, width)

@@ -12,13 +12,13 @@ from flankload.elasticity.near_field import mode_values
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.contact.stage_contact import StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.stage.assembly import StageAssembly
 
 
 def motion_of_rim(
-    assembly: StageAssembly, ring: BodyCompliance, found: StageSweep
+    assembly: StageAssembly, ring: BodyCompliance, found: MeshesSweep
 ) -> tuple[Floats, Floats]:
     """Radial displacement of the rim behind each space of the ring, outwards, and its orbit.
 

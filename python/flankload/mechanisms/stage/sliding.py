@@ -10,11 +10,11 @@ from flankload.base.torque import in_newton_metres
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.contact.stage_contact import StageSweep
+    from flankload.contact.meshes_contact import MeshesSweep
     from flankload.mechanisms.stage.assembly import StageAssembly
 
 
-def sliding_losses(assembly: StageAssembly, found: StageSweep) -> tuple[Floats, Floats]:
+def sliding_losses(assembly: StageAssembly, found: MeshesSweep) -> tuple[Floats, Floats]:
     """(P, n) Force times sliding speed of the meshes with the sun and of those with the ring, N m.
 
     Per rad of the sun relative to the carrier. Both flanks slide with the speed of the relative

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, ClassVar
 from msgspec import structs
 
 from flankload.analysis.estimate import MOST_SWEEPS
-from flankload.contact.record_files import stage_records
-from flankload.contact.stage_contact import (
-    StageContact,
-    StageSweep,
+from flankload.contact.meshes_contact import (
+    MeshesSweep,
     sweep_displaced,
-    sweep_stage,
+    sweep_meshes,
 )
+from flankload.contact.record_files import meshes_records
+from flankload.contact.stage_supports import StageContact
 from flankload.cost import held_bytes
 from flankload.elasticity.bolts import Bolts, on_bolts
 from flankload.elasticity.compliance import BodyCompliance
@@ -44,14 +44,14 @@ class StageStates:
 
     Attributes
     ----------
-    found : tuple of StageSweep
+    found : tuple of MeshesSweep
         One per torque.
     contact : StageContact
     known : None
         Similar states are not continued from these.
     """
 
-    found: tuple[StageSweep, ...]
+    found: tuple[MeshesSweep, ...]
     contact: StageContact
     known: ClassVar[None] = None
 
@@ -112,7 +112,7 @@ def stage_states(
     """Solve all positions and torques; none is continued from similar states."""
     contact = assembly.contact(scene, compliances)
     with clock.stage("sweep") as account:
-        found = sweep_stage(
+        found = sweep_meshes(
             contact,
             assembly.position_rad,
             scene.torques_Nmm,
@@ -160,4 +160,4 @@ def record_files(scene: Scene) -> Mapping[str, Floats]:
     assembly = assemble(scene)
     assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
     contact = assembly.contact(scene, compliances)
-    return stage_records(contact, assembly.position_rad, scene.torques_Nmm)
+    return meshes_records(contact, assembly.position_rad, scene.torques_Nmm)

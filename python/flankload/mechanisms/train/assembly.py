@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from flankload.contact.train_contact import TrainContact
+from flankload.contact.train_supports import TrainContact, TrainErrors, TrainSupports
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import without_ends
 from flankload.mechanisms.flank_pair.rims import rim_notes
@@ -82,7 +82,8 @@ class TrainAssembly:
                 plane_slice(self.face_width_mm),
                 names=mesh.names,
             )
-            for mesh, (first, second) in zip(self.pairing.meshes, self.pairing.members, strict=True)
+            for mesh in self.pairing.meshes
+            for first, second in [mesh.members]
         )
         return one, two
 
@@ -102,16 +103,16 @@ class TrainAssembly:
         """The contact of both meshes."""
         train = scene.train
         assert train is not None
+        radius_mm = self.bodies[2].base_radius_mm or 1.0
         return TrainContact(
-            self.bodies,
-            compliances,
-            self.pairing,
-            self.meshes,
+            bodies=self.bodies,
+            compliances=compliances,
+            pairing=self.pairing,
+            meshes=self.meshes,
+            errors=TrainErrors(train.timing_error_um / 1000.0 / radius_mm),
+            supports=TrainSupports(train.bearing_N_per_mm, train.floating),
             grid=self.discretization.grid,
             level=scene.effects.contact,
-            bearing_N_per_mm=train.bearing_N_per_mm,
-            floating=train.floating,
-            timing_mm=train.timing_error_um / 1000.0,
             coupled=scene.effects.mesh_coupling,
         )
 

@@ -53,12 +53,12 @@ def _rows_of_train(scene: Scene, assembly: TrainAssembly) -> Rows:
         ("face width", f"{assembly.face_width_mm:g} mm"),
         (f"angle at {common}", f"{train.angle_deg:g} deg"),
     ]
-    for name, center in zip(NAMES, pairing.centers_mm, strict=True):
+    for name, center in zip(NAMES, pairing.axes_mm, strict=True):
         x, y = np.round(center, 6) + 0.0
         rows.append((f"axis of {name}", f"{x:g}, {y:g} mm"))
     phases = ", ".join(f"{round(mesh.phase, 6) + 0.0:g}" for mesh in pairing.meshes)
     rows.append(("phases of the meshes", f"{phases} pitches"))
-    one, two = pairing.pushes
+    one, two = (mesh.push for mesh in pairing.meshes)
     both = float(np.hypot(*(one - two if pairing.is_idler else one + two)))
     rows.append((f"force on the bearings of {common}", f"{both:.4f} of the force of a mesh"))
     if train.kind == "two_pinions":

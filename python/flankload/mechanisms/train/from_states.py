@@ -21,7 +21,7 @@ from flankload.result.train import TrainLoads
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from flankload.contact.train_contact import TrainSweep
+    from flankload.contact.meshes_contact import MeshesSweep
     from flankload.mechanisms.train.assembly import TrainAssembly
     from flankload.mechanisms.train.states import Compliances, TrainStates
     from flankload.scene import Scene
@@ -45,11 +45,11 @@ def _result(
     scene: Scene,
     assembly: TrainAssembly,
     compliances: Compliances,
-    found: TrainSweep,
+    found: MeshesSweep,
     estimate: Mapping[str, object] | None,
 ) -> Result:
     """Result of a torque."""
-    every, width = found.all_meshes, assembly.face_width_mm
+    every, width = found.whole, assembly.face_width_mm
     counters = every.counters.sum(axis=0, dtype=np.int64).tolist()
     return Result(
         name=scene.name,
@@ -81,7 +81,7 @@ def _result(
         drive=TrainLoads(
             kind="idler" if assembly.pairing.is_idler else "two_pinions",
             teeth=assembly.pairing.teeth,
-            centers_mm=assembly.pairing.centers_mm,
+            centers_mm=assembly.pairing.axes_mm,
             phases=np.array([mesh.phase for mesh in assembly.pairing.meshes]),
             torque_2_Nm=in_newton_metres(found.resultants[:, 1, 2]),
             torque_3_Nm=in_newton_metres(found.resultants[:, 2, 2]),
@@ -96,13 +96,13 @@ def _result(
     )
 
 
-def _contacts(assembly: TrainAssembly, found: TrainSweep, p: int) -> PairTable:
+def _contacts(assembly: TrainAssembly, found: MeshesSweep, p: int) -> PairTable:
     """Contact pairs of both meshes at a position; sites are meshes, the frame is the common one."""
     tables = []
     for m, mesh in enumerate(assembly.pairing.meshes):
         column = found.meshes[m].pairs.columns_at(p)
         own = mesh.in_common_frame(np.column_stack([column["x"], column["y"]]))
-        own = own + assembly.pairing.centers_mm[assembly.pairing.members[m][0]]
+        own = own + assembly.pairing.axes_mm[mesh.members[0]]
         normal = mesh.in_common_frame(np.column_stack([column["normal_x"], column["normal_y"]]))
         tables.append(
             {
@@ -127,14 +127,14 @@ def _drawing(assembly: TrainAssembly) -> PairDrawing:
     """The bodies at their angles; the second one drawn is the mate of body 1 on the x axis."""
     pairing, bodies = assembly.pairing, assembly.bodies
     angles = pairing.body_angles(assembly.position_rad).T
-    mate = pairing.members[0][1]
+    mate = pairing.meshes[0].members[1]
     other = 3 - mate
     return PairDrawing(
         outline_1=bodies[0].outline,
         outline_2=bodies[mate].outline,
         teeth_1=bodies[0].teeth,
         teeth_2=bodies[mate].teeth,
-        center_distance_mm=float(pairing.centers_mm[mate, 0]),
+        center_distance_mm=float(pairing.axes_mm[mate, 0]),
         angle_1=angles[0],
         angle_2=angles[mate],
         bore_radius_1_mm=bodies[0].bore_radius_mm,
@@ -146,18 +146,18 @@ def _drawing(assembly: TrainAssembly) -> PairDrawing:
                 bodies[other].teeth,
                 angles[other],
                 bodies[other].bore_radius_mm,
-                pairing.centers_mm[other],
+                pairing.axes_mm[other],
             ),
         ),
     )
 
 
 def _mesh_result(
-    scene: Scene, assembly: TrainAssembly, compliances: Compliances, found: TrainSweep, m: int
+    scene: Scene, assembly: TrainAssembly, compliances: Compliances, found: MeshesSweep, m: int
 ) -> Result:
     """Ordinary result of one mesh, at its own positions."""
     mesh, own_mesh = assembly.pairing.meshes[m], assembly.meshes[m]
-    one, two = assembly.pairing.members[m]
+    one, two = mesh.members
     if mesh.sense < 0:  # teeth of the mirror image run clockwise
         one_teeth, two_teeth = mesh.pairing.site_teeth
         teeth = -one_teeth % own_mesh.body_1.teeth, -two_teeth % own_mesh.body_2.teeth

@@ -35,5 +35,5 @@ def broken_by_load(
     scene: Scene, assembly: TrainAssembly, states: TrainStates, number: int
 ) -> Iterator[Broken]:
     """Premises that a torque violates: small deflections, small strains."""
-    found, width = states.found[number].all_meshes, assembly.face_width_mm
+    found, width = states.found[number].whole, assembly.face_width_mm
     yield from broken_by_torque(scene, assembly, found, number, width)

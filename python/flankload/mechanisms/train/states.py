@@ -9,8 +9,9 @@ import numpy as np
 
 from flankload.analysis.estimate import MOST_SWEEPS, estimate_errors
 from flankload.analysis.lumped_error import measured_error
-from flankload.contact.record_files import train_records
-from flankload.contact.train_contact import TrainContact, TrainSweep, sweep_train
+from flankload.contact.meshes_contact import MeshesSweep, sweep_meshes
+from flankload.contact.record_files import meshes_records
+from flankload.contact.train_supports import TrainContact
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.elements import (
@@ -41,14 +42,14 @@ class TrainStates:
 
     Attributes
     ----------
-    found : tuple of TrainSweep
+    found : tuple of MeshesSweep
         One per torque.
     contact : TrainContact
     known : None
         Similar states are not continued from these.
     """
 
-    found: tuple[TrainSweep, ...]
+    found: tuple[MeshesSweep, ...]
     contact: TrainContact
     known: ClassVar[None] = None
 
@@ -94,7 +95,7 @@ def train_states(
     """Solve all positions and torques; none is continued from similar states."""
     contact = assembly.contact(scene, compliances)
     with clock.stage("sweep") as account:
-        found = sweep_train(
+        found = sweep_meshes(
             contact,
             assembly.position_rad,
             scene.torques_Nmm,
@@ -110,7 +111,7 @@ def record_files(scene: Scene) -> Mapping[str, Floats]:
     assembly = assemble(scene)
     assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
     contact = assembly.contact(scene, compliances)
-    return train_records(contact, assembly.position_rad, scene.torques_Nmm)
+    return meshes_records(contact, assembly.position_rad, scene.torques_Nmm)
 
 
 def error_estimates(
@@ -121,12 +122,12 @@ def error_estimates(
     clock: StageClock,
 ) -> list[Mapping[str, object] | None]:
     """Estimate the errors of the states, one entry per torque: as of a pair, over both meshes."""
-    contact, found = states.contact, tuple(one.all_meshes for one in states.found)
+    contact, found = states.contact, tuple(one.whole for one in states.found)
     lumped, count = contact.level == "lumped", assembly.position_rad.size
     with clock.stage("estimate") as account:
 
         def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
-            again = sweep_train(
+            again = sweep_meshes(
                 replace(contact, **other),
                 assembly.position_rad,
                 scene.torques_Nmm,
@@ -134,7 +135,7 @@ def error_estimates(
                 account=account,
                 progress=clock.sweep_progress("estimate", sweep=part),
             )
-            return tuple(one.all_meshes for one in again)
+            return tuple(one.whole for one in again)
 
         estimated = estimate_errors(
             found,
