@@ -44,14 +44,13 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: pass, i, n, pivots
+        logical :: solved
         real(wp) :: near, image, unused(2)
         real(wp) :: full(size(curvatures)), matrix(size(curvatures), size(curvatures))
         real(wp) :: levers(size(curvatures), size(loads)), gaps(size(curvatures))
-        integer, allocatable :: warm_pairs(:)
         type(contact_result) :: contact
 
         n = size(curvatures)
-        allocate (warm_pairs(0))
         motion = 0.0_wp
         pivots = 0
         levers = position%rates*spread(position%zones%lever, 2, size(loads))
@@ -69,12 +68,13 @@ contains
                 matrix(i, i) = matrix(i, i) + position%kernel(i)*(0.5_wp + log(2.0_wp/near)) + image
             end do
             call keep_definite(matrix)
+            call keep_places(matrix, gaps, levers, levers, loads, forces, motion, solved)
+            if (solved) cycle
             call solve_contact_problem(matrix, gaps, levers, levers, loads, symmetric_matrix, &
-                & method_single, warm_pairs, contact, error)
+                & method_single, [integer ::], contact, error)
             if (allocated(error)) exit
             forces = contact%forces
             motion = contact%motion
-            warm_pairs = contact%active_pairs
             pivots = pivots + contact%pivots
         end do
         call count_lumped(pivots, state)

@@ -10,8 +10,8 @@ module flankload_pair_forces
     use flankload_influence_coefficients, only: normal_influences
     use flankload_tangential_influence, only: add_tangential
     use flankload_finite_influence, only: departures
-    use flankload_contact_loop, only: contact_result, method_auto, method_single, &
-        & definite_matrix, general_matrix, symmetric_matrix, solve_contact_problem
+    use flankload_contact_loop, only: contact_result, definite_matrix, &
+        & general_matrix, method_auto, solve_contact_problem, symmetric_matrix
     use flankload_pair_influence, only: pair_influences
     use flankload_mesh, only: body_type, mesh_type
     use flankload_motion_rows, only: pair_rates
@@ -22,8 +22,8 @@ module flankload_pair_forces
 
     public :: solve_pairs
 
-    !> Number of pairs above which the cascade of methods is used and uniqueness is concluded from
-    !> elasticity: factorizing all of K would cost more than the solution.
+    !> Number of pairs above which uniqueness is concluded from elasticity: factorizing all of K
+    !> would cost more than the solution.
     integer, parameter :: many_pairs = 200
     !> Largest number of iterations for finite forces; largest change of a force at convergence, and
     !> limit below which a force counts as small, both relative to the largest force.
@@ -213,7 +213,7 @@ contains
             rows(:, c) = rates(:, c)*state%pairs%torque_lever   ! Eq. (19)
         end do
         call solve_contact_problem(matrix, state%pairs%lever*state%pairs%gap_angle, levers, rows, &
-            & loads, structure, merge(method_auto, method_single, n > many_pairs), warm_pairs, &
+            & loads, structure, method_auto, warm_pairs, &
             & contact, error)
         state%pivots = state%pivots + contact%pivots
         call take_contact(contact, allocated(state%pairs%friction), state, error)

@@ -328,9 +328,9 @@ contains
         do j = 1, k
             if (problem%symmetric) then
                 do i = j, k
-                    matrix(i, j) = 0.5_wp*(rows(i)*columns(j) + columns(i)*rows(j)) &
-                        & *compliance(pairs(i), pairs(j))
+                    matrix(i, j) = compliance(pairs(i), pairs(j))
                 end do
+                matrix(j:, j) = 0.5_wp*(rows(j:)*columns(j) + columns(j:)*rows(j))*matrix(j:, j)
             else
                 do i = j, k
                     matrix(i, j) = 0.5_wp*(rows(i)*columns(j)*compliance(pairs(i), pairs(j)) &

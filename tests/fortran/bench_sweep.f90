@@ -6,7 +6,7 @@
 program bench_sweep
     use, intrinsic :: iso_fortran_env, only: int64
     use flankload, only: wp, body_type, contact_result, definite_matrix, error_type, &
-        & configuration_type, mesh_type, method_single, position_state, solve_contact_problem, &
+        & configuration_type, mesh_type, method_auto, position_state, solve_contact_problem, &
         & solve_position, symmetric_matrix, turn_of_body_1
     use flankload_contact_pairs, only: pairs_type
     use flankload_pair_influence, only: pair_influences
@@ -205,7 +205,7 @@ contains
         motions(:, 1) = laid%lever
         load_rows(:, 1) = laid%torque_lever
         call solve_contact_problem(matrix, laid%lever*laid%gap_angle, motions, load_rows, &
-            & [torque], structure, method_single, begin, state, error)
+            & [torque], structure, method_auto, begin, state, error)
         if (allocated(error)) error stop 3
         call lap(clock, time)
     end subroutine solve
