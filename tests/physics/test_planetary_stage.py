@@ -12,8 +12,9 @@ from flankload.contact.meshes_contact import meshes_problem
 from flankload.mechanisms import Parts
 from flankload.mechanisms.displaced import are_displaced, run_displaced
 from flankload.mechanisms.registry import mechanism_of
+from flankload.mechanisms.several.states import counted_work
 from flankload.mechanisms.stage.assembly import NAMES, assemble
-from flankload.mechanisms.stage.states import compliances_of, counted_work
+from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from flankload.pairing.stage import surviving_order
 from flankload.pairing.stage_paths import paths_of

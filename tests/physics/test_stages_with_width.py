@@ -5,9 +5,10 @@ import pytest
 
 import flankload as fl
 from flankload.contact.meshes_contact import sweep_displaced
+from flankload.mechanisms.several.states import counted_work
 from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.modes import stage_modes
-from flankload.mechanisms.stage.states import compliances_of, counted_work
+from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from flankload.mechanisms.toggles import toggled
 from tests.support.solving import solve

@@ -117,6 +117,23 @@ class PlacedMeshes:
         """Tooth pitch of body 1, rad."""
         return 2.0 * pi / self.teeth[0]
 
+    @property
+    def drawn_second(self) -> int:
+        """The body that is drawn beside body 1: the other one of its first mesh, on the x axis."""
+        return self.meshes[0].members[1]
+
+    def title(self, m: int) -> str:
+        """Words for a mesh."""
+        return " and ".join(self.meshes[m].names)
+
+    def body_angles(self, position_rad: Floats) -> Floats:
+        """(P, B) Angles of the frames of the bodies in the common frame."""
+        found = np.zeros((position_rad.size, len(self.axes_mm)))
+        for mesh in self.meshes[::-1]:
+            for body, angle in zip(mesh.members, mesh.turns(position_rad).T, strict=True):
+                found[:, body] = mesh.frame_rad + mesh.sense * angle
+        return found
+
     def is_image(self, m: int) -> bool:
         """Whether a mesh is in the mirror image of the first one: its flanks are coast flanks."""
         return self.meshes[m].sense != self.meshes[0].sense

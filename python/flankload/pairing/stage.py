@@ -115,14 +115,22 @@ class StagePairing(PlacedMeshes):
         whole, n = self.teeth[0] + self.teeth[2], self.count
         return all(n * place == j * whole for j, place in enumerate(self.places))
 
-    def body_angles(self, position_rad: Floats) -> tuple[Floats, Floats, Floats]:
-        """Angles of the frames of sun (P,), planets (P, n) and ring (P,) in that of the carrier."""
-        suns, rings = self.meshes[: self.count], self.meshes[self.count :]
-        sun = suns[0].frame_rad + suns[0].turns(position_rad)[:, 0]
-        planets = [mesh.frame_rad + mesh.turns(position_rad)[:, 1] for mesh in suns]
+    @property
+    def drawn_second(self) -> int:
+        """The ring is drawn beside the sun."""
+        return self.count + 1
+
+    def title(self, m: int) -> str:
+        """Words for a mesh."""
+        mesh = self.meshes[m]
+        return f"planet {mesh.planet + 1} with the {'ring' if mesh.with_ring else 'sun'}"
+
+    def body_angles(self, position_rad: Floats) -> Floats:
+        """(P, n + 2) Angles of the frames of sun, planets and ring in that of the carrier."""
+        found = super().body_angles(position_rad)
         # the mirror image of a ring, whose space has its centre line on the axis of its frame
-        ring = rings[0].frame_rad - rings[0].turns(position_rad)[:, 1]
-        return sun, np.stack(planets, axis=-1), ring - 2.0 * self.ring_turn_rad
+        found[:, -1] -= 2.0 * self.ring_turn_rad
+        return found
 
     @property
     def sun_phases(self) -> Floats:

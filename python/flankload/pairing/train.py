@@ -51,14 +51,6 @@ class TrainPairing(PlacedMeshes):
         """Whether the common gear turns freely between the others."""
         return self.is_image(1)
 
-    def body_angles(self, position_rad: Floats) -> Floats:
-        """(P, 3) Angles of the frames of the bodies in the common frame."""
-        found = np.zeros((position_rad.size, 3))
-        for mesh in self.meshes[::-1]:
-            for body, angle in zip(mesh.members, mesh.turns(position_rad).T, strict=True):
-                found[:, body] = mesh.frame_rad + mesh.sense * angle
-        return found
-
 
 def repeating_pitches(bodies: Sequence[Body]) -> int:
     """Tooth pitches of body 1 after which everything repeats."""

@@ -13,7 +13,7 @@ from flankload.result.engagement import rows_of_positions
 from flankload.result.harmonics import over_positions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from flankload.base.arrays import Floats
     from flankload.result.result import Result
@@ -40,7 +40,7 @@ class TrainLoads(Drive):
         Displacement of the common gear by its bearings, or of a floating wheel.
     common : int
         Number of the gear in both meshes: the idler, or the wheel.
-    meshes : two Result
+    meshes : two Result, each made when it is read
         Results of both meshes.
     """
 
@@ -53,7 +53,7 @@ class TrainLoads(Drive):
     bearing_force_N: Floats
     orbit_um: Floats
     common: int
-    meshes: tuple[Result, Result]
+    meshes: Sequence[Result]
 
     name = "train"
     key = "train"

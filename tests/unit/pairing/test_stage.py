@@ -34,7 +34,8 @@ def apart(one, two):
 def test_all_meshes_have_the_same_bodies(bodies, places):
     """Frame of sun and ring from every planet, of each planet from both its meshes."""
     stage = pairing(bodies, places, first=0.3)
-    sun, planets, ring = stage.body_angles(POSITIONS)
+    angles = stage.body_angles(POSITIONS)
+    sun, planets, ring = angles[:, 0], angles[:, 1:-1], angles[:, -1]
     for mesh in stage.meshes:
         turns, sites = mesh.turns(POSITIONS), mesh.pairing
         for z, name in enumerate(mesh.names):

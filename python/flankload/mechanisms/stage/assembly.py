@@ -12,14 +12,18 @@ from msgspec import structs
 from flankload.base.rotation import directions
 from flankload.bodies.axial_shape import lead_of
 from flankload.bodies.carrier import carrier_compliance
-from flankload.contact.stage_supports import StageContact, StageSupports
+from flankload.contact.stage_supports import StageSupports
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import fillets_of, without_ends
-from flankload.mechanisms.flank_pair.rims import rim_notes
-from flankload.mechanisms.scene_bodies import bodies_of, with_file_of
-from flankload.mechanisms.several_meshes import positions_of_meshes
+from flankload.mechanisms.flank_pair.assembly import fillets_of
+from flankload.mechanisms.scene_bodies import with_file_of
+from flankload.mechanisms.several.assembly import (
+    MeshesAssembly,
+    bodies_of_meshes,
+    note_of_period,
+    notes_of_meshes,
+    positions_of_meshes,
+)
 from flankload.pairing.body_pair import BodyJob
-from flankload.pairing.gear_mesh import GearMesh
 from flankload.pairing.slices import Slices, plane_slice, slices_of
 from flankload.pairing.stage import StagePairing, repeating_pitches, stage_pairing
 from flankload.pairing.stage_errors import StageErrors
@@ -28,7 +32,6 @@ from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import Effects, effects_of
 from flankload.scene.gear import Ring
 from flankload.scene.stage import Stage, assembled_places
-from flankload.scene.usual import question_notes
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -37,7 +40,6 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.reuse import Parts
     from flankload.scene import Scene
-    from flankload.scene.discretization import Grid
 
     Compliances = tuple[BodyCompliance, BodyCompliance, BodyCompliance]
 
@@ -46,91 +48,10 @@ NAMES = ("body_1", "planet", "body_2")
 
 
 @dataclass(frozen=True)
-class StageAssembly:
-    """A planetary stage with the options of a run.
-
-    Attributes
-    ----------
-    bodies : Body, Body, Body
-        Sun, planet, ring.
-    jobs : three BodyJob
-    pairing : StagePairing
-    errors : StageErrors
-    supports : StageSupports
-    slices : Slices, Slices
-        Slices of the meshes with the sun, and of those with the ring in their mirror image.
-    discretization : Discretization
-    effects : Effects
-    position_rad : (P,) array
-    pitches : int or None
-        Tooth pitches of the sun that the positions cover; None for explicit angles.
-    period_pitches : int
-        Tooth pitches after which everything repeats.
-    notes : tuple of str
-    """
-
-    bodies: tuple[Body, Body, Body]
-    jobs: tuple[BodyJob, BodyJob, BodyJob]
-    pairing: StagePairing
-    errors: StageErrors
-    supports: StageSupports
-    slices: tuple[Slices, Slices]
-    discretization: Discretization
-    effects: Effects
-    position_rad: Floats
-    pitches: int | None
-    period_pitches: int
-    notes: tuple[str, ...]
+class StageAssembly(MeshesAssembly[StagePairing, StageSupports, StageErrors]):
+    """A planetary stage with the options of a run."""
 
     names = NAMES
-
-    @property
-    def meshes(self) -> tuple[GearMesh, ...]:
-        """Gear meshes: those with the sun, then those with the ring, in their mirror image."""
-        sun, planet, ring = self.bodies
-        image = _in_mirror_image(planet), _in_mirror_image(ring)
-        return tuple(
-            GearMesh(
-                image if mesh.with_ring else (sun, planet),
-                mesh.pairing,
-                self.slices[mesh.with_ring],
-                names=mesh.names,
-            )
-            for mesh in self.pairing.meshes
-        )
-
-    @property
-    def face_width_mm(self) -> float:
-        """Common face width of sun and planets."""
-        return float(self.slices[0].width_mm.sum())
-
-    @property
-    def closed(self) -> bool:
-        """Whether several positions cover whole periods."""
-        whole = self.pitches is not None and self.pitches % self.period_pitches == 0
-        return whole and self.position_rad.size > 1
-
-    @property
-    def period_rad(self) -> float:
-        """Period of the curves, rad."""
-        pitches = self.pitches if self.closed and self.pitches else self.period_pitches
-        return pitches * self.pairing.pitch_rad
-
-    def contact(
-        self, scene: Scene, compliances: Compliances, grid: Grid | None = None
-    ) -> StageContact:
-        """The contact of all meshes, on the cells of the discretization or others."""
-        return StageContact(
-            bodies=self.bodies,
-            compliances=compliances,
-            pairing=self.pairing,
-            meshes=self.meshes,
-            errors=self.errors,
-            supports=self.supports,
-            grid=grid or self.discretization.grid,
-            level=scene.effects.contact,
-            coupled=scene.effects.mesh_coupling,
-        )
 
 
 def assemble(
@@ -152,18 +73,15 @@ def assemble(
     assert stage is not None
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
     try:
-        sun, planet, ring = bodies_of(
-            _held(scene), discretization, NAMES, parts=parts, modified_elements=modified_elements
+        bodies = bodies_of_meshes(
+            _held(scene), discretization, effects, NAMES, parts, modified_elements=modified_elements
         )
-        bodies = sun, planet, ring
-        if not effects.tip_contact:
-            bodies = without_ends(sun), without_ends(planet), without_ends(ring)
         run_outs = bool(stage.sun_run_out_um), bool(stage.ring_run_out_um)
         period = repeating_pitches(bodies, run_outs)
         position_rad, pitches = positions_of_meshes(scene, bodies[0].teeth, period)
         pairing = stage_pairing(
             bodies,
-            assembled_places(stage, sun.teeth + ring.teeth),
+            assembled_places(stage, bodies[0].teeth + bodies[2].teeth),
             radians(stage.nominal_angles_deg[0]),
             scene.pair.axes_apart_mm,
             position_rad,
@@ -178,7 +96,7 @@ def assemble(
         pairing=pairing,
         errors=errors_of(stage, pairing.angles_rad),
         supports=supports,
-        slices=_slices(scene, bodies),
+        slices=tuple(slices for slices in _slices(scene, bodies) for _ in range(pairing.count)),
         discretization=discretization,
         effects=effects,
         position_rad=position_rad,
@@ -242,11 +160,6 @@ def _slices(scene: Scene, bodies: tuple[Body, Body, Body]) -> tuple[Slices, Slic
     return one, two
 
 
-def _in_mirror_image(body: Body) -> Body:
-    """A body with width in the frame of a mesh with the ring."""
-    return body if body.axial.plane else replace(body, axial=body.axial.in_mirror_image())
-
-
 def errors_of(stage: Stage, angles_rad: Floats) -> StageErrors:
     """Errors of pins, thicknesses and run-outs, and the displacement of the sun by its weight."""
     paths = StagePaths(angles_rad, (0.0, 0.0), (1.0, 1.0, 1.0))
@@ -306,16 +219,8 @@ def _notes(
     period: int,
 ) -> tuple[str, ...]:
     """Remarks for the user."""
-    notes = [*question_notes(scene)]
-    notes += [
-        f"{name}: {note}" for name, body in zip(NAMES, bodies, strict=True) for note in body.notes
-    ]
-    notes += [*rim_notes(NAMES, bodies), *pairing.warnings]
-    if pitches is not None and pitches % period:
-        notes.append(
-            f"with pitch errors or run-outs the curves repeat after {period} pitches of the sun; "
-            f"these positions cover {pitches} (positions.pitches = 'hunting' covers all)"
-        )
+    notes = notes_of_meshes(scene, NAMES, bodies, pairing.warnings)
+    notes += note_of_period(pitches, period, "pitch errors or run-outs", "the sun")
     if any(bodies[1].pitch_errors_um):
         notes.append("planet.pitch_errors_um apply to the flanks in mesh with the sun")
     return tuple(notes)

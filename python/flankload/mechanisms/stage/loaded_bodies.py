@@ -68,8 +68,7 @@ class MemberOfStage:
         first = pairing.meshes[pairing.count]
         turn = first.turns(result.position_rad)[p, 1]
         if not self.is_ring:
-            sun, planets, _ = pairing.body_angles(result.position_rad)
-            turn = sun[p] if self.number == 0 else planets[p, self.number - 1]
+            turn = pairing.body_angles(result.position_rad)[p, self.number]
         forces = np.zeros(2 * len(loaded.nodes))
         pressure = np.zeros(len(loaded.nodes))
         for m in self.meshes:

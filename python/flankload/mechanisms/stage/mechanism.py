@@ -4,55 +4,42 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
 from flankload.mechanisms.protocol import Displaced
-from flankload.mechanisms.stage import body_files as files
+from flankload.mechanisms.several.mechanism import SeveralMeshes
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.description import data_sheet, describe
-from flankload.mechanisms.stage.estimates import error_estimates
 from flankload.mechanisms.stage.from_states import stage_results
+from flankload.mechanisms.stage.loaded_bodies import fields_of_members
 from flankload.mechanisms.stage.modes import stage_modes
-from flankload.mechanisms.stage.premises import broken_by_geometry, broken_by_load
-from flankload.mechanisms.stage.states import (
-    Compliances,
-    StageStates,
-    are_displaced,
-    compliances_of,
-    counted_work,
-    displaced_states,
-    record_files,
-    stage_states,
-    stage_sweeps,
-)
+from flankload.mechanisms.stage.premises import broken_by_geometry
+from flankload.mechanisms.stage.states import are_displaced, compliances_of, displaced_states
 
 if TYPE_CHECKING:
-    from flankload.mechanisms.protocol import Mechanism
+    from collections.abc import Mapping
+
+    from flankload.mechanisms.protocol import FieldsOfBody, Mechanism
+    from flankload.mechanisms.several.assembly import Compliances
+    from flankload.mechanisms.several.states import MeshesStates
+    from flankload.scene import Scene
 
 
-class PlanetaryStage:
+class PlanetaryStage(SeveralMeshes[StageAssembly]):
     """A sun, equal planets, and a ring."""
 
     body_names = NAMES
-    no_flanks_reason: str | None = None
     displaced = Displaced(are_displaced, displaced_states)
 
     build = staticmethod(assemble)
     broken_by_geometry = staticmethod(broken_by_geometry)
-    work = staticmethod(counted_work)
-    sweeps = staticmethod(stage_sweeps)
     compliances = staticmethod(compliances_of)
-    states = staticmethod(stage_states)
-    broken_by_load = staticmethod(broken_by_load)
-    estimates = staticmethod(error_estimates)
     results = staticmethod(stage_results)
-    parameters = staticmethod(parameters_of_flanks)
     describe = staticmethod(describe)
     data_sheet = staticmethod(data_sheet)
-    mesh_files = staticmethod(files.mesh_files)
-    compliance_files = staticmethod(files.compliance_files)
-    record_files = staticmethod(record_files)
-    fields_of_bodies = staticmethod(files.fields_of_bodies)
     modes = staticmethod(stage_modes)
 
+    def fields_of_bodies(self, scene: Scene) -> Mapping[str, FieldsOfBody | str]:
+        """Sun, planets and ring with elements for the contact forces of results, or why not."""
+        return fields_of_members(scene, assemble(scene))
 
-MECHANISM: Mechanism[StageAssembly, Compliances, StageStates] = PlanetaryStage()
+
+MECHANISM: Mechanism[StageAssembly, Compliances, MeshesStates] = PlanetaryStage()

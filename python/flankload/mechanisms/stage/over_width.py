@@ -9,7 +9,7 @@ import numpy as np
 from flankload.analysis.load_factors import face_load_factor, largest_line_loads
 from flankload.base.torque import in_newton_metres
 from flankload.contact.wrenches import tilts_of, wrenches_of
-from flankload.result.position_order import order_of
+from flankload.mechanisms.several.estimates import weights_of
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -44,13 +44,3 @@ def loads_over_width(
         "sun_tilt_urad": tilts[:, 0],
         "ring_tilt_urad": tilts[:, -1],
     }
-
-
-def weights_of(assembly: StageAssembly) -> Floats:
-    """(P,) Parts of the positions in means over the period."""
-    return order_of(
-        assembly.position_rad,
-        pitch_rad=assembly.pairing.pitch_rad,
-        period_rad=assembly.period_rad,
-        closed=assembly.closed,
-    ).weights

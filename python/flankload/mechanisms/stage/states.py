@@ -1,80 +1,26 @@
-"""States of a planetary stage and their error estimates."""
+"""Compliances of a planetary stage with its bolts; states that share positions."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from msgspec import structs
 
-from flankload.analysis.estimate import MOST_SWEEPS
-from flankload.contact.meshes_contact import (
-    MeshesSweep,
-    sweep_displaced,
-    sweep_meshes,
-)
-from flankload.contact.record_files import meshes_records
-from flankload.contact.stage_supports import StageContact
-from flankload.cost import held_bytes
+from flankload.contact.meshes_contact import sweep_displaced
 from flankload.elasticity.bolts import Bolts, on_bolts
-from flankload.elasticity.compliance import BodyCompliance
-from flankload.mechanisms.elements import (
-    solve_bodies,
-)
-from flankload.mechanisms.flank_pair.prediction import SLICE_VARIANTS, work_of_elements
-from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble, errors_of
-from flankload.mechanisms.stage_clock import StageClock, elements_stage
-from flankload.scene.effects import effects_of
+from flankload.mechanisms.several import states as several
+from flankload.mechanisms.several.states import MeshesStates
+from flankload.mechanisms.stage.assembly import StageAssembly, errors_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
-    from flankload.base.arrays import Floats
-    from flankload.mechanisms.protocol import Counted, States
+    from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.reuse import Parts
-    from flankload.mechanisms.stage_clock import Kept
+    from flankload.mechanisms.several.assembly import Compliances
+    from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.scene import Scene
-
-Compliances = tuple[BodyCompliance, BodyCompliance, BodyCompliance]
-
-
-@dataclass(frozen=True)
-class StageStates:
-    """States of a stage.
-
-    Attributes
-    ----------
-    found : tuple of MeshesSweep
-        One per torque.
-    contact : StageContact
-    known : None
-        Similar states are not continued from these.
-    """
-
-    found: tuple[MeshesSweep, ...]
-    contact: StageContact
-    known: ClassVar[None] = None
-
-
-def counted_work(scene: Scene, assembly: StageAssembly) -> Counted:
-    """Work of the elements, and number of states; that of the estimate is not predicted."""
-    # elements of any body have the work of those of an elastic body 1
-    alike = replace(assembly, effects=replace(assembly.effects, elastic_body_1=True))
-    elements: Counted = {
-        elements_stage(name): work_of_elements(scene, alike, z, NAMES[0])
-        for z, (name, job) in enumerate(zip(NAMES, assembly.jobs, strict=True))
-        if job.elastic
-    }
-    states = {"states": assembly.position_rad.size * len(scene.torques_Nm)}
-    estimate: Counted = {"estimate": {}} if scene.accuracy.estimate else {}
-    return {"bodies": {}, **elements, "sweep": states, **estimate}
-
-
-def stage_sweeps(scene: Scene) -> int:
-    """Number of sweeps: states, and those of the estimate."""
-    if not scene.accuracy.estimate:
-        return 1
-    return 1 + MOST_SWEEPS + (SLICE_VARIANTS if effects_of(scene).three_dimensions else 0)
 
 
 def compliances_of(
@@ -85,7 +31,7 @@ def compliances_of(
     parts: Parts | None = None,
 ) -> tuple[StageAssembly, Compliances]:
     """Solve one finite-element job for each elastic body: the planets are equal."""
-    sun, planet, ring = solve_bodies(scene, assembly, clock, kept, parts)
+    assembly, (sun, planet, ring) = several.compliances_of(scene, assembly, clock, kept, parts)
     return assembly, (sun, planet, _on_bolts(scene, ring))
 
 
@@ -98,29 +44,6 @@ def _on_bolts(scene: Scene, ring: BodyCompliance) -> BodyCompliance:
     radial, tangential = stiffness
     width = scene.pair.face_width_mm
     return on_bolts(ring, Bolts(count, (radial / width, tangential / width)))
-
-
-def stage_states(
-    scene: Scene,
-    assembly: StageAssembly,
-    compliances: Compliances,
-    clock: StageClock,
-    similar: States | None = None,
-    *,
-    unloaded: bool = True,
-) -> tuple[StageAssembly, StageStates]:
-    """Solve all positions and torques; none is continued from similar states."""
-    contact = assembly.contact(scene, compliances)
-    with clock.stage("sweep") as account:
-        found = sweep_meshes(
-            contact,
-            assembly.position_rad,
-            scene.torques_Nmm,
-            account=account,
-            progress=clock.sweep_progress("sweep"),
-        )
-        account.bytes += held_bytes(found)
-    return assembly, StageStates(found, contact)
 
 
 def are_displaced(one: Scene, other: Scene) -> bool:
@@ -136,7 +59,7 @@ def are_displaced(one: Scene, other: Scene) -> bool:
 
 def displaced_states(
     scenes: Sequence[Scene], assembly: StageAssembly, compliances: Compliances, clock: StageClock
-) -> tuple[tuple[StageAssembly, StageStates], ...]:
+) -> tuple[tuple[StageAssembly, MeshesStates], ...]:
     """Assemblies and states of scenes that differ by the errors of their pins only."""
     angles = assembly.pairing.angles_rad
     assemblies = [
@@ -151,13 +74,5 @@ def displaced_states(
         found = sweep_displaced(
             contacts, assembly.position_rad, scenes[0].torques_Nmm, account=account
         )
-    states = [StageStates(one, contact) for one, contact in zip(found, contacts, strict=True)]
+    states = [MeshesStates(one, contact) for one, contact in zip(found, contacts, strict=True)]
     return tuple(zip(assemblies, states, strict=True))
-
-
-def record_files(scene: Scene) -> Mapping[str, Floats]:
-    """Records of all bodies and meshes, and their motions."""
-    assembly = assemble(scene)
-    assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
-    contact = assembly.contact(scene, compliances)
-    return meshes_records(contact, assembly.position_rad, scene.torques_Nmm)

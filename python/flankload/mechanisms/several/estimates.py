@@ -1,4 +1,4 @@
-"""Error estimates of a planetary stage, and of its meshes over their width."""
+"""Error estimates of a drive with several gear meshes, and of its meshes over their width."""
 
 from __future__ import annotations
 
@@ -17,30 +17,31 @@ from flankload.mechanisms.elements import (
     reduced_compliances,
     reduced_over_width,
 )
-from flankload.mechanisms.stage.assembly import NAMES, StageAssembly
-from flankload.mechanisms.stage.over_width import weights_of
+from flankload.result.position_order import order_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from flankload.analysis.error_rules import RemainingError
+    from flankload.base.arrays import Floats
     from flankload.contact.meshes_contact import MeshesSweep
     from flankload.contact.sweep import Sweep
-    from flankload.mechanisms.stage.states import Compliances, StageStates
+    from flankload.mechanisms.several.assembly import Compliances
+    from flankload.mechanisms.several.states import AnyAssembly, MeshesStates
     from flankload.mechanisms.stage_clock import StageClock
     from flankload.scene import Scene
 
     Variants = Mapping[str, Mapping[str, object]]
 
-#: Key of the estimates of the meshes in that of a stage with width.
+#: Key of the estimates of the meshes in that of a drive with width.
 OF_MESHES = "meshes"
 
 
 def error_estimates(
     scene: Scene,
-    assembly: StageAssembly,
+    assembly: AnyAssembly,
     compliances: Compliances,
-    states: StageStates,
+    states: MeshesStates,
     clock: StageClock,
 ) -> list[Mapping[str, object] | None]:
     """Estimate the errors of the states, one entry per torque: as of a pair, over all meshes.
@@ -49,9 +50,9 @@ def error_estimates(
     """
     contact, torques = states.contact, scene.torques_Nmm
     lumped, grid = contact.level == "lumped", contact.grid
-    plane, variants = assembly.slices[0].plane, _variants(assembly, compliances)
+    plane, variants = assembly.is_plane, _variants(assembly, compliances)
     weights = np.full(assembly.position_rad.size, 1.0 / assembly.position_rad.size)
-    planets = tuple(one.whole for one in states.found)
+    whole = tuple(one.whole for one in states.found)
     reduced: dict[int, tuple[MeshesSweep, ...]] = {}
     with clock.stage("estimate") as account:
 
@@ -60,7 +61,7 @@ def error_estimates(
                 replace(contact, **other),
                 assembly.position_rad,
                 torques,
-                # by which the moments on members are known
+                # by which the moments on the bodies are known
                 keep_pairs=not plane,
                 account=account,
                 progress=clock.sweep_progress("estimate", sweep=part),
@@ -68,25 +69,25 @@ def error_estimates(
             return tuple(one.whole for one in reduced[part])
 
         estimated = estimate_errors(
-            planets,
+            whole,
             run_again,
             compliances,
             grid if lumped else grid.coarser(),
             weights,
             variants=variants,
-            lumped=(lambda t: measured_error(planets[t], compliances)) if lumped else None,
+            lumped=(lambda t: measured_error(whole[t], compliances)) if lumped else None,
         )
         found: list[dict[str, object]] = [one.as_dict() for one in estimated]
         if not plane:
             for t, of_meshes in enumerate(_of_meshes(assembly, states, variants, reduced)):
                 found[t][OF_MESHES] = of_meshes
-    account_errors_of_elements(clock, NAMES, compliances)
+    account_errors_of_elements(clock, assembly.names, compliances)
     return list(found)
 
 
 def _of_meshes(
-    assembly: StageAssembly,
-    states: StageStates,
+    assembly: AnyAssembly,
+    states: MeshesStates,
     variants: Variants,
     reduced: Mapping[int, Sequence[MeshesSweep]],
 ) -> list[tuple[Mapping[str, object], ...]]:
@@ -95,11 +96,11 @@ def _of_meshes(
     found: list[tuple[Mapping[str, object], ...]] = [()] * len(states.found)
     loaded = [t for t, one in enumerate(states.found) if one.whole.torque_Nmm > 0]
     for m, mesh in enumerate(contact.pairing.meshes if loaded else ()):
-        own = contact.compliances[1:] if mesh.with_ring else contact.compliances[:2]
+        own = [contact.compliances[contact.pairing.tables[b]] for b in mesh.members]
         estimated = estimate_errors(
             tuple(states.found[t].meshes[m] for t in loaded),
             partial(_again, reduced, loaded, m),
-            own,
+            tuple(own),
             contact.grid,
             weights,
             variants=variants,
@@ -118,24 +119,33 @@ def _again(
     part: int,
     **other: Any,
 ) -> tuple[Sweep, ...]:
-    """Sweeps of a mesh in the reduced sweep of the stage with this number."""
+    """Sweeps of a mesh in the reduced sweep of the drive with this number."""
     if part not in reduced:
-        raise ContactError("the reduced sweep of the stage does not converge")
+        raise ContactError("the reduced sweep of the drive does not converge")
     return tuple(reduced[part][t].meshes[m] for t in loaded)
 
 
 def _lumped(
-    states: StageStates, loaded: Sequence[int], m: int, t: int
+    states: MeshesStates, loaded: Sequence[int], m: int, t: int
 ) -> dict[str, RemainingError]:
     """Errors of the lumped contacts of a mesh."""
     return measured_error(states.found[loaded[t]].meshes[m], states.contact.compliances)
 
 
-def _variants(assembly: StageAssembly, compliances: Compliances) -> dict[str, Mapping[str, object]]:
+def _variants(assembly: AnyAssembly, compliances: Compliances) -> dict[str, Mapping[str, object]]:
     """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
     found: dict[str, Mapping[str, object]] = {**reduced_compliances(compliances)}
-    if assembly.slices[0].plane:
+    if assembly.is_plane:
         return found
-    one, two = assembly.slices
-    coarser = replace(assembly, slices=(one.coarser(), two.coarser()))
+    coarser = replace(assembly, slices=tuple(slices.coarser() for slices in assembly.slices))
     return found | reduced_over_width(compliances, {"meshes": coarser.meshes})
+
+
+def weights_of(assembly: AnyAssembly) -> Floats:
+    """(P,) Parts of the positions in means over the period."""
+    return order_of(
+        assembly.position_rad,
+        pitch_rad=assembly.pairing.pitch_rad,
+        period_rad=assembly.period_rad,
+        closed=assembly.closed,
+    ).weights

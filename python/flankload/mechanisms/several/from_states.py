@@ -1,0 +1,197 @@
+"""Conversion of the states of several gear meshes to a result, and of each mesh to its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+
+from flankload.base.torque import in_newton_metres, stiffness_Nm_per_rad
+from flankload.contact.core_call import CORE_COUNTERS
+from flankload.contact.status import on_corner
+from flankload.mechanisms.flank_pair.from_sweep import result_of
+from flankload.mechanisms.several.estimates import OF_MESHES
+from flankload.pairing.body_pair import BodyPair
+from flankload.pairing.gear_pair import cosine_base_helix
+from flankload.result.geometry import pair_geometry
+from flankload.result.pairs import DrawnBody, PairDrawing, PairTable, PairTables
+from flankload.result.result import Result
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from flankload.contact.meshes_contact import MeshesSweep
+    from flankload.mechanisms.several.assembly import Compliances
+    from flankload.mechanisms.several.states import AnyAssembly
+    from flankload.result.stage import StageLoads
+    from flankload.result.train import TrainLoads
+    from flankload.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class MeshResults(Sequence[Result]):
+    """Results of all meshes under a torque, each made when it is read.
+
+    `estimates`: of the meshes, or empty.
+    """
+
+    scene: Scene
+    assembly: AnyAssembly
+    compliances: Compliances
+    found: MeshesSweep
+    estimates: Sequence[Mapping[str, object]] = ()
+
+    def __len__(self) -> int:
+        return len(self.found.meshes)
+
+    @overload
+    def __getitem__(self, index: int) -> Result: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Result]: ...
+
+    def __getitem__(self, index: int | slice) -> Result | Sequence[Result]:
+        which = range(len(self))[index]
+        if isinstance(which, range):
+            return tuple(self._of(m) for m in which)
+        return self._of(which)
+
+    def _of(self, m: int) -> Result:
+        """Ordinary result of a mesh, at its own positions."""
+        assembly, pairing = self.assembly, self.assembly.pairing
+        mesh, own_mesh = pairing.meshes[m], assembly.meshes[m]
+        one, two = (pairing.tables[b] for b in mesh.members)
+        if pairing.is_image(m):  # teeth of the mirror image run clockwise
+            first, second = mesh.pairing.site_teeth
+            teeth = -first % own_mesh.body_1.teeth, -second % own_mesh.body_2.teeth
+            own_mesh = replace(own_mesh, pairing=replace(mesh.pairing, site_teeth=teeth))
+        pair = BodyPair(
+            **vars(own_mesh),
+            jobs=(assembly.jobs[one], assembly.jobs[two]),
+            discretization=assembly.discretization,
+            effects=assembly.effects,
+            position_rad=mesh.positions(assembly.position_rad),
+            pitches=assembly.pitches,
+            closed=assembly.closed,
+            adaptive=False,
+            notes=(),
+        )
+        own = self.compliances[one], self.compliances[two]
+        result = result_of(
+            self.scene,
+            pair,
+            own,
+            self.found.meshes[m],
+            estimate=self.estimates[m] if self.estimates else None,
+            geometry=pair_geometry(pair, own),
+        )
+        return replace(
+            result,
+            name=f"{self.scene.name}: {pairing.title(m)}",
+            stiffness_tangent_Nm_per_rad=np.full(assembly.position_rad.size, np.nan),
+            warnings=(),
+        )
+
+
+def result_of_meshes(
+    scene: Scene,
+    assembly: AnyAssembly,
+    compliances: Compliances,
+    found: MeshesSweep,
+    estimate: Mapping[str, object] | None,
+    drive: StageLoads | TrainLoads,
+) -> Result:
+    """Result of a torque; `drive`: its quantities that only this kind of drive has."""
+    pairing, whole = assembly.pairing, found.whole
+    counters = whole.counters.sum(axis=0, dtype=np.int64).tolist()
+    return Result(
+        name=scene.name,
+        torque_Nm=in_newton_metres(whole.torque_Nmm),
+        sites=np.arange(1, len(pairing.site_meshes) + 1),
+        position_rad=assembly.position_rad,
+        rotation_rad=whole.rotation_rad,
+        reference_radius_mm=assembly.bodies[0].reference_radius_mm,
+        site_force_N=whole.site_force_N,
+        peak_pressure_MPa=whole.site_peak_N_per_mm / assembly.slices[0].compliance_width_mm,
+        stiffness_tangent_Nm_per_rad=stiffness_Nm_per_rad(whole.tangent_rad_per_Nmm),
+        status=whole.status,
+        pair_tables=PairTables(assembly.position_rad.size, partial(_contacts, assembly, found)),
+        corner_contact=on_corner(whole.site_corner),
+        pitch_rad=pairing.pitch_rad,
+        period_rad=assembly.period_rad,
+        closed=assembly.closed,
+        face_width_mm=assembly.face_width_mm,
+        estimate=None
+        if estimate is None
+        else {name: part for name, part in estimate.items() if name != OF_MESHES},
+        cost={
+            "positions": whole.status.size,
+            "of_this_torque": dict(zip(CORE_COUNTERS, counters, strict=True)),
+            "fe_degrees_of_freedom": [c.job.degrees_of_freedom for c in compliances],
+            "largest_backward_error": float(np.max(whole.certificate[:, 0], initial=0.0)),
+            "largest_condition": float(np.max(whole.certificate[:, 1], initial=0.0)),
+        },
+        warnings=assembly.notes,
+        drawing=_drawing(assembly),
+        drive=drive,
+    )
+
+
+def _contacts(assembly: AnyAssembly, found: MeshesSweep, p: int) -> PairTable:
+    """Contact pairs of all meshes at a position, in the common frame."""
+    pairing, tables = assembly.pairing, []
+    sites = {m: site for site, meshes in enumerate(pairing.site_meshes) for m in meshes}
+    for m, mesh in enumerate(pairing.meshes):
+        pairs, gears = found.meshes[m].pairs, assembly.meshes[m]
+        column, number, slices = pairs.columns_at(p), pairs.slices_at(p), gears.slices
+        # contact lines are inclined by the base helix angle
+        length = slices.width_mm[number] / cosine_base_helix(gears.body_1)
+        own = mesh.in_common_frame(np.column_stack([column["x"], column["y"]]))
+        own = own + pairing.axes_mm[mesh.members[0]]
+        normal = mesh.in_common_frame(np.column_stack([column["normal_x"], column["normal_y"]]))
+        tables.append(
+            {
+                "site": np.full(len(own), sites[m] + 1),
+                "radius_mm": np.hypot(*own.T),
+                "arc_length_1_mm": column["s_1"],
+                "arc_length_2_mm": column["s_2"],
+                "x_mm": own[:, 0],
+                "y_mm": own[:, 1],
+                "normal_x": normal[:, 0],
+                "normal_y": normal[:, 1],
+                "force_N": column["force"],
+                "pressure_MPa": column["force"] / (column["cell"] * length),
+                "gap_um": 1000.0 * column["gap"],
+                "cell_mm": column["cell"],
+                **({} if slices.plane else {"z_mm": slices.z_mm[number]}),
+            }
+        )
+    return PairTable(**{name: np.concatenate([t[name] for t in tables]) for name in tables[0]})
+
+
+def _drawing(assembly: AnyAssembly) -> PairDrawing:
+    """The bodies at their angles."""
+    pairing = assembly.pairing
+    second, angles = pairing.drawn_second, pairing.body_angles(assembly.position_rad).T
+    bodies = [assembly.bodies[table] for table in pairing.tables]
+    one, two = bodies[0], bodies[second]
+    between = tuple(
+        DrawnBody(1, body.outline, body.teeth, angle, body.bore_radius_mm, axis)
+        for b, (body, angle, axis) in enumerate(zip(bodies, angles, pairing.axes_mm, strict=True))
+        if b not in {0, second}
+    )
+    return PairDrawing(
+        outline_1=one.outline,
+        outline_2=two.outline,
+        teeth_1=one.teeth,
+        teeth_2=two.teeth,
+        center_distance_mm=float(pairing.axes_mm[second, 0]),
+        angle_1=angles[0],
+        angle_2=angles[second],
+        bore_radius_1_mm=one.bore_radius_mm,
+        bore_radius_2_mm=two.bore_radius_mm,
+        between=between,
+    )

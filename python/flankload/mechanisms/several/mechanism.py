@@ -1,0 +1,69 @@
+"""A drive with several gear meshes as a kind of drive: the methods that all of them share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Generic
+
+import numpy as np
+
+from flankload.contact.record_files import meshes_records
+from flankload.mechanisms.flank_pair.body_files import files_of_compliances, files_of_meshes
+from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
+from flankload.mechanisms.several.estimates import error_estimates
+from flankload.mechanisms.several.premises import broken_by_load
+from flankload.mechanisms.several.states import (
+    AssemblyT,
+    compliances_of,
+    counted_work,
+    states_of_meshes,
+    sweeps_of_states,
+)
+from flankload.mechanisms.stage_clock import StageClock
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping
+
+    from flankload.base.arrays import Floats
+    from flankload.mechanisms.protocol import ComplianceFile, Displaced, MeshFile
+    from flankload.mechanisms.several.assembly import Compliances
+    from flankload.scene import Scene
+
+
+class SeveralMeshes(Generic[AssemblyT]):
+    """Bodies of three tables in several gear meshes.
+
+    Subclasses have `body_names`, `build`, `broken_by_geometry`, `results`, `describe`,
+    `data_sheet` and `fields_of_bodies`.
+    """
+
+    body_names: tuple[str, str, str]
+    build: Callable[..., AssemblyT]
+    compliances: Callable[..., tuple[AssemblyT, Compliances]] = staticmethod(compliances_of)
+    no_flanks_reason: str | None = None
+    displaced: Displaced | None = None
+    modes: Any = None
+
+    work = staticmethod(counted_work)
+    sweeps = staticmethod(sweeps_of_states)
+    states = staticmethod(states_of_meshes)
+    broken_by_load = staticmethod(broken_by_load)
+    estimates = staticmethod(error_estimates)
+    parameters = staticmethod(parameters_of_flanks)
+
+    def mesh_files(self, scene: Scene) -> Iterator[MeshFile]:
+        """Meshes of the tables at position zero, each at the angle of its first body."""
+        assembly = self.build(scene)
+        turns, tables = assembly.pairing.body_angles(np.zeros(1))[0], assembly.pairing.tables
+        own = [float(turns[tables.index(z)]) for z in range(len(assembly.bodies))]
+        yield from files_of_meshes(self.body_names, assembly.bodies, own)
+
+    def compliance_files(self, scene: Scene) -> Iterator[ComplianceFile]:
+        """Compliances of the tables."""
+        yield from files_of_compliances(scene, self.body_names, self.build(scene).bodies)
+
+    def record_files(self, scene: Scene) -> Mapping[str, Floats]:
+        """Records of all bodies and meshes, and their motions."""
+        clock = StageClock(None, self.body_names, 1, {})
+        assembly, compliances = self.compliances(scene, self.build(scene), clock, {})
+        contact = assembly.contact(scene, compliances)
+        return meshes_records(contact, assembly.position_rad, scene.torques_Nmm)
