@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from flankload.pairing.slices import Slices
     from flankload.scene.discretization import Grid
 
+    Compliances = tuple[BodyCompliance, BodyCompliance]
     Part = tuple[str, NDArray[np.float64]]
 
 #: Parts of `flankload_pack_part` in the order of their numbers, from 1.
@@ -69,34 +70,46 @@ def records_of(contact: FlankContact) -> tuple[NDArray[np.float64], ...]:
     InputError
         If the core refuses an argument.
     """
-    return _mesh_record(contact), _body_record(contact, 0), _body_record(contact, 1)
-
-
-def _mesh_record(contact: FlankContact) -> NDArray[np.float64]:
-    """Record of the mesh."""
-    axial = _axial_modes(contact, 0)
-    arguments = (
-        core_sites(contact.mesh),
-        _axes(contact.mesh.pairing.center_distance_mm),
-        0.0 if axial is None else axial.twist,
-        _settings(contact.grid, contact.level, contact.finite_steps),
+    mesh = packed_mesh(
+        contact.mesh, contact.grid, contact.level, contact.finite_steps, contact.compliances
     )
-    return _packed(_core.flankload_pack_mesh, arguments, _mesh_parts(contact))
-
-
-def _axial_modes(contact: FlankContact, z: int) -> AxialModes | None:
-    """Modes of body z along the axis; None in the plane, also for a section of a wide body."""
-    return None if contact.mesh.slices.plane else contact.compliances[z].modes.axial
+    return mesh, _record_of_pair(contact, 0), _record_of_pair(contact, 1)
 
 
 def packed_mesh(
-    mesh: GearMesh, grid: Grid, level: Level, twist_rad_per_mm: float = 0.0
+    mesh: GearMesh,
+    grid: Grid,
+    level: Level,
+    finite_steps: int = 0,
+    compliances: Compliances | None = None,
 ) -> NDArray[np.float64]:
-    """Record of a mesh without friction and coast flanks; the twist is that of its body 1."""
-    axes = _axes(mesh.pairing.center_distance_mm)
-    arguments = (core_sites(mesh), axes, twist_rad_per_mm, _settings(grid, level))
-    parts = [] if mesh.slices.plane else [("slices", mesh.slices.edges_mm)]
-    return _packed(_core.flankload_pack_mesh, arguments, parts)
+    """Record of a mesh; `compliances` of its bodies if their flanks conform."""
+    pairing, friction, slices = mesh.pairing, mesh.friction, mesh.slices
+    count, twist = slices.count, 0.0
+    parts: list[Part] = []
+    if not slices.plane:
+        twist = mesh.body_1.axial.twist_rad_per_mm
+        parts.append(("slices", slices.edges_mm))
+    if slices.conforming is not None and compliances is not None:
+        parts.append(("height", conforming_height(mesh, compliances)))
+    if pairing.coast is not None:
+        parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size * count)))
+    if friction is not None:
+        coefficients = friction.coefficients
+        if pairing.coast is not None:  # as on the working flanks
+            coefficients = np.hstack([coefficients, coefficients])
+        # equal in all slices of a flank
+        table = np.column_stack([friction.places_mm, np.repeat(coefficients, count, axis=1)])
+        parts.append(("friction", table.ravel(order="F")))
+    axes = np.array([[0.0, pairing.center_distance_mm], [0.0, 0.0]], order="F")
+    settings = np.array(
+        [
+            *(grid.strips_per_half_width, grid.corner_strips_per_half_width),
+            *(grid.zone_half_widths, LEVELS[level], finite_steps),
+        ],
+        float,
+    )
+    return _packed(_core.flankload_pack_mesh, (core_sites(mesh), axes, twist, settings), parts)
 
 
 def packed_body(
@@ -106,10 +119,13 @@ def packed_body(
     angles_rad: NDArray[np.float64],
     deviations_mm: NDArray[np.float64],
     block: NDArray[np.int64],
+    teeth: NDArray[np.int64],
     slices: Slices,
     which: int,
+    coast: bool,
+    tangential: bool = False,
 ) -> NDArray[np.float64]:
-    """Record of a body in several meshes, with its sites mesh after mesh.
+    """Record of a body in one or more meshes, with its sites mesh after mesh.
 
     Parameters
     ----------
@@ -117,37 +133,46 @@ def packed_body(
         Angle of the flank at each site in the frame of the body, and excess of its material.
     block : (S, S) array
         Blocks of the compliance, from 0.
+    teeth : (n,) array
+        Tooth of each flank.
     slices : Slices
         Slices of a mesh; the surface of the flanks in them is that in all meshes.
     which : int
         Number of the body in that mesh, from 0.
+    coast, tangential : bool
+        Whether coast flanks touch, and whether tangential forces act.
     """
     compliance = _of_width(compliance, slices.compliance_width_mm)
-    parts = _compliance_parts(compliance, np.zeros(0, dtype=np.int64))
+    parts = _compliance_parts(compliance, teeth)
+    if tangential:
+        parts += _tangential_parts(compliance, coast=coast)
+    # a section of a wide body has no modes along the axis
     axial = None if slices.plane else compliance.modes.axial
     if axial is not None:
-        parts += _axial_parts(body, axial, coast=compliance.coast is not None)
-    sections = _sections(body, slices, which)
-    parts += _section_parts(sections)
-    curve = sections[0] if sections else _active(body, body.curve)
-    arguments = _arguments(body, compliance, curve, angles_rad, deviations_mm, block)
-    return _packed(_core.flankload_pack_body, arguments, parts)
-
-
-def _axes(center_distance_mm: float) -> NDArray[np.float64]:
-    """(2, 2) Axes of both bodies in the frame of the mesh."""
-    return np.array([[0.0, center_distance_mm], [0.0, 0.0]], order="F")
-
-
-def _settings(grid: Grid, level: Level, finite_steps: int = 0) -> NDArray[np.float64]:
-    """Settings of the record of a mesh."""
-    return np.array(
-        [
-            *(grid.strips_per_half_width, grid.corner_strips_per_half_width),
-            *(grid.zone_half_widths, LEVELS[level], finite_steps),
-        ],
-        float,
+        parts += _axial_parts(body, axial, coast=coast)
+    removed = slices.surfaces_mm[which]
+    curves = [body.curve] if removed is None else section_curves(body, removed)
+    if body.active_range_mm is not None:
+        curves = [curve.cut(*body.active_range_mm) for curve in curves]
+    if removed is not None:
+        flanks = [_powers_first(curve).ravel(order="F") for curve in curves]
+        parts.append(("sections", np.concatenate(flanks)))
+    curve = curves[0]
+    corners = curve.corners.astype(np.intc)
+    if body.active_range_mm is not None:
+        corners[[0, -1]] = CUT_CORNER
+    arguments = (
+        curve.breaks,
+        _powers_first(curve),
+        corners,
+        angles_rad,
+        deviations_mm,
+        np.array(compliance.modes.range_mm, dtype=float),
+        compliance.near.kernel,
+        np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),
+        np.asfortranarray(block + 1, dtype=np.intc),
     )
+    return _packed(_core.flankload_pack_body, arguments, parts)
 
 
 def core_sites(mesh: GearMesh) -> int:
@@ -156,22 +181,25 @@ def core_sites(mesh: GearMesh) -> int:
     return sites * mesh.slices.count
 
 
-def _body_record(contact: FlankContact, z: int) -> NDArray[np.float64]:
-    """Record of body z."""
-    mesh, body = contact.mesh, contact.mesh.bodies[z]
-    coast = mesh.pairing.coast is not None
-    compliance = _of_width(contact.compliances[z], mesh.slices.compliance_width_mm)
-    sections = _sections(body, mesh.slices, z)
-    parts = _compliance_parts(compliance, mesh.pairing.teeth_of(z))
-    if mesh.friction is not None or contact.finite_steps > 0:
-        parts += _tangential_parts(compliance, coast=coast)
-    axial = _axial_modes(contact, z)
-    if axial is not None:
-        parts += _axial_parts(body, axial, coast=coast)
-    parts += _section_parts(sections)
-    curve = sections[0] if sections else _active(body, body.curve)
-    arguments = _main_arguments(mesh, compliance, z, curve)
-    return _packed(_core.flankload_pack_body, arguments, parts)
+def _record_of_pair(contact: FlankContact, z: int) -> NDArray[np.float64]:
+    """Record of body z of a pair."""
+    mesh, body, compliance = contact.mesh, contact.mesh.bodies[z], contact.compliances[z]
+    pairing, slices = mesh.pairing, mesh.slices
+    angles, deviations = at_sites(pairing, slices, z)
+    teeth = pairing.teeth_of(z)
+    block = compliance.blocks_of_sites(teeth, pairing.sites.size, body.teeth)
+    return packed_body(
+        body,
+        compliance,
+        angles_rad=angles,
+        deviations_mm=deviations,
+        block=slices.site_blocks(block),
+        teeth=teeth,
+        slices=slices,
+        which=z,
+        coast=pairing.coast is not None,
+        tangential=mesh.friction is not None or contact.finite_steps > 0,
+    )
 
 
 def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyCompliance:
@@ -184,51 +212,16 @@ def _of_width(compliance: BodyCompliance, face_width_mm: float) -> BodyComplianc
     return replace(compliance.with_blocks(lambda part: part / face_width_mm), near=near)
 
 
-def _main_arguments(
-    mesh: GearMesh, compliance: BodyCompliance, z: int, curve: FlankCurve
-) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
-    """Arguments of `flankload_pack_body` up to the record."""
-    body, pairing, slices = mesh.bodies[z], mesh.pairing, mesh.slices
-    angles, deviations = _at_sites(pairing, slices, z)
-    block = slices.site_blocks(
-        compliance.blocks_of_sites(pairing.teeth_of(z), pairing.sites.size, body.teeth)
-    )
-    return _arguments(body, compliance, curve, angles, deviations, block)
-
-
-def _arguments(
-    body: Body,
-    compliance: BodyCompliance,
-    curve: FlankCurve,
-    angles_rad: NDArray[np.float64],
-    deviations_mm: NDArray[np.float64],
-    block: NDArray[np.int64],
-) -> tuple[NDArray[np.float64] | NDArray[np.intc] | float, ...]:
-    """Arguments of `flankload_pack_body` for sites with blocks of the compliance, from 0."""
-    corners = curve.corners.astype(np.intc)
-    if body.active_range_mm is not None:
-        corners[[0, -1]] = CUT_CORNER
-    return (
-        curve.breaks,
-        _powers_first(curve),
-        corners,
-        angles_rad,
-        deviations_mm,
-        np.array(compliance.modes.range_mm, dtype=float),
-        compliance.near.kernel,
-        np.asfortranarray(compliance.all_blocks()[0].transpose(1, 2, 0)),
-        np.asfortranarray(block + 1, dtype=np.intc),
-    )
-
-
-def _at_sites(pairing: Pairing, slices: Slices, z: int) -> tuple[Floats, Floats]:
+def at_sites(
+    pairing: Pairing, slices: Slices, z: int, excess_mm: float = 0.0
+) -> tuple[Floats, Floats]:
     """Angles (n,) and deviations (n,) of body z at the sites of the core, working flanks first.
 
-    Deviations of single teeth apply to working flanks only.
+    Deviations of single teeth, and the excess of all of them, apply to working flanks only.
     """
     angles = slices.site_angles(pairing.site_angles_rad[z], z)
     of_teeth = slices.tooth_deviations(pairing.sites, z)
-    of_teeth = pairing.site_deviations_mm[z][:, np.newaxis] + of_teeth
+    of_teeth = pairing.site_deviations_mm[z][:, np.newaxis] + excess_mm + of_teeth
     deviations = slices.site_deviations(of_teeth, z)
     if pairing.coast is None:
         return angles, deviations
@@ -236,27 +229,6 @@ def _at_sites(pairing: Pairing, slices: Slices, z: int) -> tuple[Floats, Floats]
     none = slices.site_deviations(np.zeros_like(of_coast), z, coast=True)
     of_coast = slices.site_angles(of_coast, z, coast=True)
     return np.concatenate([angles, of_coast]), np.concatenate([deviations, none])
-
-
-def _sections(body: Body, slices: Slices, z: int) -> list[FlankCurve]:
-    """Flanks of body z in all slices, if they differ; otherwise empty."""
-    removed = slices.surfaces_mm[z]
-    if removed is None:
-        return []
-    return [_active(body, curve) for curve in section_curves(body, removed)]
-
-
-def _section_parts(sections: list[FlankCurve]) -> list[Part]:
-    """Part of a body whose flanks differ between slices."""
-    if not sections:
-        return []
-    flanks = [_powers_first(curve).ravel(order="F") for curve in sections]
-    return [("sections", np.concatenate(flanks))]
-
-
-def _active(body: Body, curve: FlankCurve) -> FlankCurve:
-    """The part of a flank on which contact is possible."""
-    return curve if body.active_range_mm is None else curve.cut(*body.active_range_mm)
 
 
 def _powers_first(curve: FlankCurve) -> NDArray[np.float64]:
@@ -306,25 +278,6 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
             parts.append((name, values.transpose(1, 2, 0).ravel(order="F")))
     if compliance.near.jump:
         parts.append(("jump", np.array([compliance.near.jump])))
-    return parts
-
-
-def _mesh_parts(contact: FlankContact) -> list[Part]:
-    """Parts of a mesh: sides of the sites, friction, slices."""
-    pairing, friction, slices = contact.mesh.pairing, contact.mesh.friction, contact.mesh.slices
-    count = slices.count
-    parts: list[Part] = [] if slices.plane else [("slices", slices.edges_mm)]
-    if slices.conforming is not None:
-        parts.append(("height", conforming_height(contact.mesh, contact.compliances)))
-    if pairing.coast is not None:
-        parts.append(("sides", np.repeat([1.0, -1.0], pairing.sites.size * count)))
-    if friction is not None:
-        coefficients = friction.coefficients
-        if pairing.coast is not None:  # as on the working flanks
-            coefficients = np.hstack([coefficients, coefficients])
-        # equal in all slices of a flank
-        table = np.column_stack([friction.places_mm, np.repeat(coefficients, count, axis=1)])
-        parts.append(("friction", table.ravel(order="F")))
     return parts
 
 

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 import numpy as np
 
 from flankload.base.rotation import turned
-from flankload.contact.body_record import core_sites, packed_body, packed_mesh, packed_parts
+from flankload.contact.body_record import (
+    at_sites,
+    core_sites,
+    packed_body,
+    packed_mesh,
+    packed_parts,
+)
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.mesh_sweeps import states_of_torque, sweeps_of_meshes, with_rotations
 from flankload.contact.meshes import (
@@ -152,9 +158,9 @@ class MeshesContact(Generic[PairingT, SupportsT]):
         angles, deviations, slices_of_sites, teeth, n_working = [], [], [], [], 0
         for m, z in places:
             pairing, slices = self.meshes[m].pairing, self.meshes[m].slices
-            angles.append(slices.site_angles(pairing.site_angles_rad[z], z))
-            excess = pairing.site_deviations_mm[z] + excess_mm
-            deviations.append(slices.site_deviations(excess, z))
+            at, excess = at_sites(pairing, slices, z, excess_mm)
+            angles.append(at)
+            deviations.append(excess)
             slices_of_sites.append(np.full(pairing.sites.size, slices.count))
             teeth.append(pairing.site_teeth[z])
             n_working += 0 if self.pairing.is_image(m) else pairing.sites.size
@@ -174,8 +180,10 @@ class MeshesContact(Generic[PairingT, SupportsT]):
             angles_rad=np.concatenate(angles),
             deviations_mm=np.concatenate(deviations),
             block=block.repeat(counts, axis=0).repeat(counts, axis=1),
+            teeth=numbers,
             slices=self.meshes[m].slices,
             which=z,
+            coast=compliance.coast is not None,
         )
 
     def _on_springs(self, b: int, record: Floats) -> Floats:
@@ -204,7 +212,7 @@ class MeshesContact(Generic[PairingT, SupportsT]):
         for own, mesh in zip(self.meshes, self.pairing.meshes, strict=True):
             one, two = mesh.members
             sites, frame = (before[one], before[two]), mesh.frame_rad - turn_rad
-            record = packed_mesh(own, self.grid, self.level, own.body_1.axial.twist_rad_per_mm)
+            record = packed_mesh(own, self.grid, self.level)
             found.append(with_members(record, Members((one, two), sites, frame, mesh.sense)))
             for b in mesh.members:
                 before[b] += core_sites(own)
