@@ -43,7 +43,7 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, i, n, pivots
+        integer :: pass, i, n, exchanged, pivots
         logical :: solved
         real(wp) :: near, image, unused(2)
         real(wp) :: full(size(curvatures)), matrix(size(curvatures), size(curvatures))
@@ -68,7 +68,9 @@ contains
                 matrix(i, i) = matrix(i, i) + position%kernel(i)*(0.5_wp + log(2.0_wp/near)) + image
             end do
             call keep_definite(matrix)
-            call keep_places(matrix, gaps, levers, levers, loads, forces, motion, solved)
+            call keep_places(matrix, gaps, levers, levers, loads, forces, motion, exchanged, &
+                & solved)
+            pivots = pivots + exchanged
             if (solved) cycle
             call solve_contact_problem(matrix, gaps, levers, levers, loads, symmetric_matrix, &
                 & method_single, [integer ::], contact, error)
@@ -122,7 +124,7 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: z, first
+        integer :: z, first, pivots
         logical :: solved, starts(size(forces))
         real(wp) :: width, image, unused(2)
         real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), size(loads))
@@ -148,7 +150,7 @@ contains
                 & + dot_product(forces, matmul(matrix, forces))/loads(1)
         end if
         forces = merge(1.0_wp, 0.0_wp, starts)
-        call keep_places(matrix, gaps, levers, levers, loads, forces, motion, solved)
+        call keep_places(matrix, gaps, levers, levers, loads, forces, motion, pivots, solved)
         if (.not. solved) then
             call solve_contact_problem(matrix, gaps, levers, levers, loads, symmetric_matrix, &
                 & method_single, pack([(z, z=1, size(forces))], starts), contact, error)
@@ -157,7 +159,7 @@ contains
                 motion = contact%motion
             end if
         end if
-        call count_lumped(contact%pivots, state)
+        call count_lumped(pivots + contact%pivots, state)
     end subroutine estimate_slices
 
     !> Limit the coupling of contacts that are closer to each other than their width: they act as

@@ -141,9 +141,8 @@ contains
         end associate
     end subroutine add_friction
 
-    !> Solve a pass for forces and motions without a certificate, if only contacts that carried load
-    !> before do so again.
-    pure subroutine step_places(meshes, position, system, forces, motion, solved)
+    !> Solve a pass for forces and motions without a certificate.
+    pure subroutine step_places(meshes, position, system, forces, motion, pivots, solved)
         !> The meshes, and the position
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
@@ -153,7 +152,9 @@ contains
         real(wp), intent(inout) :: forces(:)
         !> Motions, shape (motions); changed if solved
         real(wp), intent(inout) :: motion(:)
-        !> False if other contacts touch: forces and motions are then unchanged
+        !> Number of contacts dropped and added
+        integer, intent(out) :: pivots
+        !> False if it is not: forces and motions are then unchanged
         logical, intent(out) :: solved
 
         real(wp) :: found(size(system%of))
@@ -163,7 +164,7 @@ contains
         call linearise(meshes, position, system, motion, .not. found > 0.0_wp &
             & .or. system%places(system%of)%is_narrow, linear)
         call keep_places(linear%matrix, linear%gaps, linear%levers, linear%rows, linear%loads, &
-            & found, motion, solved)
+            & found, motion, pivots, solved)
         if (solved) forces(system%of) = found
     end subroutine step_places
 
@@ -220,8 +221,9 @@ contains
     end subroutine linearise
 
     !> Solve for the contacts that carry load, drop those with tensile forces until none is left,
-    !> and check that the other gaps stay open. The solution is unique, since K is definite.
-    pure subroutine keep_places(matrix, gaps, levers, rows, loads, forces, motion, solved)
+    !> and add those whose gaps would close, until there are neither. The solution is unique, since
+    !> K is definite.
+    pure subroutine keep_places(matrix, gaps, levers, rows, loads, forces, motion, pivots, solved)
         !> Symmetric compliance of the contacts [mm/N], and their gaps [mm], shape (n, n) and (n)
         real(wp), intent(in) :: matrix(:, :)
         real(wp), intent(in) :: gaps(:)
@@ -230,21 +232,31 @@ contains
         real(wp), intent(in) :: rows(:, :)
         !> Loads, shape (motions)
         real(wp), intent(in) :: loads(:)
-        !> Forces [N], of which the positive ones may carry load; changed if solved
+        !> Forces [N], of which the positive ones carry load at first; changed if solved
         real(wp), intent(inout) :: forces(:)
         !> Motions, shape (motions); changed if solved
         real(wp), intent(inout) :: motion(:)
-        !> False if other contacts would touch, or K is not definite
+        !> Number of contacts dropped and added
+        integer, intent(out) :: pivots
+        !> False if the exchanges do not end, or the contacts do not restrain all motions
         logical, intent(out) :: solved
 
-        integer :: k, q, info
+        !> Largest number of exchanges: usually one to five, and a cycle is left to the contact loop
+        integer, parameter :: most_exchanges = 10
+        !> Tensile forces below this part of the largest one stay for the next exchange: without
+        !> all of them at once, a floating body would often lose all its contacts
+        real(wp), parameter :: hardly = 0.1_wp
+        integer :: exchange, k, q, info
+        logical :: touches(size(forces))
         integer, allocatable :: on(:)
-        real(wp), allocatable :: factor(:, :), x(:, :), carried(:)
+        real(wp), allocatable :: factor(:, :), x(:, :)
         real(wp) :: moved(size(loads)), tangent(size(loads), size(loads)), found(size(forces))
 
         q = size(loads)
-        on = pack([(k, k=1, size(forces))], forces > 0.0_wp)
-        do
+        touches = forces > 0.0_wp
+        pivots = 0
+        do exchange = 1, most_exchanges
+            on = pack([(k, k=1, size(forces))], touches)
             solved = .false.
             if (size(on) == 0) return
             factor = matrix(on, on)
@@ -255,17 +267,23 @@ contains
             ! Eq. (18), (19): K F + g = B q and Rᵀ F = Q, so that F = K⁻¹B q - K⁻¹g
             call solve_motions(rows(on, :), x, loads, moved, tangent, solved)
             if (.not. solved) return
-            carried = matmul(x(:, :q), moved) - x(:, q + 1)
-            if (all(carried > 0.0_wp)) exit
-            on = pack(on, carried > 0.0_wp)
+            found = 0.0_wp
+            found(on) = matmul(x(:, :q), moved) - x(:, q + 1)
+            solved = all(found(on) > 0.0_wp)
+            if (solved) then
+                do k = 1, size(forces)
+                    if (touches(k)) cycle
+                    touches(k) = .not. dot_product(matrix(:, k), found) + gaps(k) &
+                        & > dot_product(levers(k, :), moved)
+                end do
+                solved = count(touches) == size(on)
+            else
+                touches = touches .and. found > hardly*minval(found)
+            end if
+            if (solved) exit
+            pivots = pivots + abs(count(touches) - size(on))
         end do
-        found = 0.0_wp
-        found(on) = carried
-        do k = 1, size(forces)
-            if (found(k) > 0.0_wp) cycle
-            solved = dot_product(matrix(:, k), found) + gaps(k) > dot_product(levers(k, :), moved)
-            if (.not. solved) return
-        end do
+        if (.not. solved) return
         forces = found
         motion = moved
     end subroutine keep_places

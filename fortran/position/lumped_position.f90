@@ -60,7 +60,7 @@ contains
         !> considered, shape (zones)
         real(wp), intent(in), optional :: start(:)
 
-        integer :: pass
+        integer :: pass, pivots
         logical :: included(size(position%zones)), done, solved
         real(wp) :: change, since_update
         real(wp), dimension(size(position%zones)) :: forces, last
@@ -99,8 +99,8 @@ contains
             ! with friction K is not symmetric
             solved = pass <= newton_passes .and. size(system%tangential, 2) == 0
             if (solved) call step_places(meshes, position, system, forces, state%motion, &
-                & solved)
-            if (solved) call count_lumped(0, state)
+                & pivots, solved)
+            if (solved) call count_lumped(pivots, state)
             if (.not. solved) call solve_pass(meshes, position, system, pass > newton_passes, &
                 & forces, state, error)
             if (allocated(error)) return
