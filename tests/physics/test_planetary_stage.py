@@ -466,7 +466,7 @@ def test_fields_of_all_bodies_have_the_forces_of_the_contacts(tmp_path):
 def test_a_stage_in_a_mirror(contact):
     """Frames, pins and motions mirrored about the x axis: forces are the mirror images."""
     scene = scene_of(
-        positions={"count": None, "angles_deg": [1.8, 3.6]},
+        positions={"count": None, "angles_deg": [1.8, 5.4]},
         stage={
             "pin_tangential_errors_um": [15.0, 3.0, -4.0, 7.0],
             "pin_radial_errors_um": [2.0, 0.0, 5.0, -3.0],
