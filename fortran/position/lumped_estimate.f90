@@ -9,7 +9,7 @@ module flankload_lumped_estimate
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, method_single, symmetric_matrix, &
         & solve_contact_problem
-    use flankload_lumped_pass, only: keep_places
+    use flankload_lumped_pass, only: equations_type, keep_places
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, least_load_share
     use flankload_mesh, only: rotation
     use flankload_near_field, only: image_displacement
@@ -43,44 +43,76 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, i, n, exchanged, pivots
-        logical :: solved
-        real(wp) :: near, image, unused(2)
-        real(wp) :: full(size(curvatures)), matrix(size(curvatures), size(curvatures))
-        real(wp) :: levers(size(curvatures), size(loads)), gaps(size(curvatures))
-        type(contact_result) :: contact
+        integer :: pass, i, pivots
+        real(wp) :: near, image, unused(2), full(size(curvatures))
+        type(equations_type) :: linear
 
-        n = size(curvatures)
-        motion = 0.0_wp
         pivots = 0
-        levers = position%rates*spread(position%zones%lever, 2, size(loads))
-        gaps = position%zones%lever*position%gap
+        linear = equations_of(position, loads)
         full = full_forces(position, loads)
         forces = full
+        motion = 0.0_wp
         do pass = 1, n_passes
-            matrix = position%coupling
-            do i = 1, n
+            linear%matrix = position%coupling
+            do i = 1, size(full)
                 near = hertz_half_width(max(forces(i), least_load_share*full(i)), curvatures(i), &
                     & position%kernel(i), position%zones(i)%flank_length)
                 near = max(least_half_width(position%zones(i)%flank_length), &
                     & min(position%widest(i), near))
                 call image_displacement(position%images(:, i), [near, near], image, unused)
-                matrix(i, i) = matrix(i, i) + position%kernel(i)*(0.5_wp + log(2.0_wp/near)) + image
+                linear%matrix(i, i) = linear%matrix(i, i) + image &
+                    & + position%kernel(i)*(0.5_wp + log(2.0_wp/near))
             end do
-            call keep_definite(matrix)
-            call keep_places(matrix, gaps, levers, levers, loads, forces, motion, exchanged, &
-                & solved)
-            pivots = pivots + exchanged
-            if (solved) cycle
-            call solve_contact_problem(matrix, gaps, levers, levers, loads, symmetric_matrix, &
-                & method_single, [integer ::], contact, error)
+            call keep_definite(linear%matrix)
+            call solve_equations(linear, forces, motion, pivots, error)
             if (allocated(error)) exit
-            forces = contact%forces
-            motion = contact%motion
-            pivots = pivots + contact%pivots
         end do
         call count_lumped(pivots, state)
     end subroutine estimate_forces
+
+    !> Return the equations of all zones, without their near fields.
+    pure function equations_of(position, loads) result(linear)
+        !> The position
+        type(position_type), intent(in) :: position
+        !> Loads of the motions, shape (motions)
+        real(wp), intent(in) :: loads(:)
+        type(equations_type) :: linear
+
+        linear%matrix = position%coupling
+        linear%gaps = position%zones%lever*position%gap
+        linear%levers = position%rates*spread(position%zones%lever, 2, size(loads))
+        linear%rows = linear%levers
+        linear%loads = loads
+    end function equations_of
+
+    !> Solve equations by exchanges of contacts, or by the contact loop if these do not end.
+    pure subroutine solve_equations(linear, forces, motion, pivots, error)
+        !> The equations
+        type(equations_type), intent(in) :: linear
+        !> Forces [N], of which the positive ones carry load at first, shape (zones)
+        real(wp), intent(inout) :: forces(:)
+        !> Motions, shape (motions)
+        real(wp), intent(inout) :: motion(:)
+        !> Number of contacts dropped and added, which is increased
+        integer, intent(inout) :: pivots
+        !> Set if there is no solution
+        type(error_type), allocatable, intent(out) :: error
+
+        integer :: z, exchanged
+        logical :: solved
+        type(contact_result) :: contact
+
+        call keep_places(linear, forces, motion, exchanged, solved)
+        pivots = pivots + exchanged
+        if (solved) return
+        call solve_contact_problem(linear%matrix, linear%gaps, linear%levers, linear%rows, &
+            & linear%loads, symmetric_matrix, method_single, &
+            & pack([(z, z=1, size(forces))], forces > 0.0_wp), contact, error)
+        if (allocated(error)) return
+        forces = contact%forces
+        motion = contact%motion
+        pivots = pivots + contact%pivots
+    end subroutine solve_equations
 
     !> Return the force with which each zone would carry a load alone [N], or with the other slices
     !> of its flank: the largest for all loads that it can carry, or that of another zone.
@@ -125,41 +157,29 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: z, first, pivots
-        logical :: solved, starts(size(forces))
         real(wp) :: width, image, unused(2)
-        real(wp) :: matrix(size(forces), size(forces)), levers(size(forces), size(loads))
-        real(wp) :: gaps(size(forces))
-        type(contact_result) :: contact
+        type(equations_type) :: linear
 
-        matrix = position%coupling
+        linear = equations_of(position, loads)
         do z = 1, size(forces)
             width = max(position%widest(z), least_half_width(position%zones(z)%flank_length))
             call image_displacement(position%images(:, z), [width, width], image, unused)
-            matrix(z, z) = matrix(z, z) + image &
+            linear%matrix(z, z) = linear%matrix(z, z) + image &
                 & + position%kernel(z)*(0.5_wp + log(2.0_wp/width))
         end do
-        gaps = position%zones%lever*position%gap
-        levers = position%rates*spread(position%zones%lever, 2, size(loads))
-        starts = .true.
-        if (all(levers > 0.0_wp)) then
+        forces = 1.0_wp
+        if (all(linear%levers > 0.0_wp)) then
             ! one flank alone would need a larger rotation of body 1: no contact touches beyond
             first = minloc(position%gap, dim=1)
             forces = merge(full_forces(position, loads), 0.0_wp, &
                 & position%zones%flank == position%zones(first)%flank)
-            starts = position%gap <= position%gap(first) &
-                & + dot_product(forces, matmul(matrix, forces))/loads(1)
+            forces = merge(1.0_wp, 0.0_wp, position%gap <= position%gap(first) &
+                & + dot_product(forces, matmul(linear%matrix, forces))/loads(1))
         end if
-        forces = merge(1.0_wp, 0.0_wp, starts)
-        call keep_places(matrix, gaps, levers, levers, loads, forces, motion, pivots, solved)
-        if (.not. solved) then
-            call solve_contact_problem(matrix, gaps, levers, levers, loads, symmetric_matrix, &
-                & method_single, pack([(z, z=1, size(forces))], starts), contact, error)
-            if (.not. allocated(error)) then
-                forces = contact%forces
-                motion = contact%motion
-            end if
-        end if
-        call count_lumped(pivots + contact%pivots, state)
+        pivots = 0
+        motion = 0.0_wp
+        call solve_equations(linear, forces, motion, pivots, error)
+        call count_lumped(pivots, state)
     end subroutine estimate_slices
 
     !> Limit the coupling of contacts that are closer to each other than their width: they act as

@@ -20,7 +20,7 @@ module flankload_lumped_pass
     implicit none
     private
 
-    public :: lumped_system
+    public :: equations_type, lumped_system
     public :: couple, keep_places, solve_pass, step_places
 
     !> Lumped contacts of a position, and the compliance between those considered.
@@ -163,8 +163,7 @@ contains
         found = forces(system%of)
         call linearise(meshes, position, system, motion, .not. found > 0.0_wp &
             & .or. system%places(system%of)%is_narrow, linear)
-        call keep_places(linear%matrix, linear%gaps, linear%levers, linear%rows, linear%loads, &
-            & found, motion, pivots, solved)
+        call keep_places(linear, found, motion, pivots, solved)
         if (solved) forces(system%of) = found
     end subroutine step_places
 
@@ -223,15 +222,9 @@ contains
     !> Solve for the contacts that carry load, drop those with tensile forces until none is left,
     !> and add those whose gaps would close, until there are neither. The solution is unique, since
     !> K is definite.
-    pure subroutine keep_places(matrix, gaps, levers, rows, loads, forces, motion, pivots, solved)
-        !> Symmetric compliance of the contacts [mm/N], and their gaps [mm], shape (n, n) and (n)
-        real(wp), intent(in) :: matrix(:, :)
-        real(wp), intent(in) :: gaps(:)
-        !> Levers of the motions, and in the rows of the loads, shape (n, motions)
-        real(wp), intent(in) :: levers(:, :)
-        real(wp), intent(in) :: rows(:, :)
-        !> Loads, shape (motions)
-        real(wp), intent(in) :: loads(:)
+    pure subroutine keep_places(linear, forces, motion, pivots, solved)
+        !> Equations, with a symmetric matrix
+        type(equations_type), intent(in) :: linear
         !> Forces [N], of which the positive ones carry load at first; changed if solved
         real(wp), intent(inout) :: forces(:)
         !> Motions, shape (motions); changed if solved
@@ -250,22 +243,22 @@ contains
         logical :: touches(size(forces))
         integer, allocatable :: on(:)
         real(wp), allocatable :: factor(:, :), x(:, :)
-        real(wp) :: moved(size(loads)), tangent(size(loads), size(loads)), found(size(forces))
+        real(wp) :: moved(size(motion)), tangent(size(motion), size(motion)), found(size(forces))
 
-        q = size(loads)
+        q = size(motion)
         touches = forces > 0.0_wp
         pivots = 0
         do exchange = 1, most_exchanges
             on = pack([(k, k=1, size(forces))], touches)
             solved = .false.
             if (size(on) == 0) return
-            factor = matrix(on, on)
-            x = reshape([levers(on, :), gaps(on)], [size(on), q + 1])
+            factor = linear%matrix(on, on)
+            x = reshape([linear%levers(on, :), linear%gaps(on)], [size(on), q + 1])
             call potrf(size(on), factor, info)
             if (info /= 0) return
             call solve_cholesky(size(on), factor, x)
             ! Eq. (18), (19): K F + g = B q and Rᵀ F = Q, so that F = K⁻¹B q - K⁻¹g
-            call solve_motions(rows(on, :), x, loads, moved, tangent, solved)
+            call solve_motions(linear%rows(on, :), x, linear%loads, moved, tangent, solved)
             if (.not. solved) return
             found = 0.0_wp
             found(on) = matmul(x(:, :q), moved) - x(:, q + 1)
@@ -273,8 +266,8 @@ contains
             if (solved) then
                 do k = 1, size(forces)
                     if (touches(k)) cycle
-                    touches(k) = .not. dot_product(matrix(:, k), found) + gaps(k) &
-                        & > dot_product(levers(k, :), moved)
+                    touches(k) = .not. dot_product(linear%matrix(:, k), found) + linear%gaps(k) &
+                        & > dot_product(linear%levers(k, :), moved)
                 end do
                 solved = count(touches) == size(on)
             else
