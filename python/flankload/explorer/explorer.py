@@ -14,7 +14,7 @@ from flankload.errors import FlankloadError, SceneError
 from flankload.explorer.keys import changes_of, keys_of, shown_keys
 from flankload.explorer.page import Page
 from flankload.explorer.server import Server
-from flankload.explorer.worker import Answer, Request, Worker
+from flankload.explorer.worker import CLOSED, Answer, Request, Worker
 from flankload.mechanisms.registry import mechanism_of
 
 if TYPE_CHECKING:
@@ -53,12 +53,9 @@ class Explorer:
         self._rested: Answer | None = None
         self._shown = 0
         self._worker = Worker(scene, self.keys, self.shown, self._tell, self._progress)
-        mechanism = mechanism_of(scene)
-        mechanism.build(scene, None, self._worker.parts)  # refuses impossible bodies
-        files = {"report": self._report, "scene.toml": self._toml}
-        self._server = Server(self._fill, files, port)
+        mechanism_of(scene).build(scene, None, self._worker.parts)  # refuses impossible bodies
+        self._server = Server(self._fill, {"report": self._report, "scene.toml": self._toml}, port)
         self.url = self._server.url
-        self._worker.start()
         self.ask({})
 
     # --- for Python -------------------------------------------------------------------------------
@@ -100,10 +97,9 @@ class Explorer:
         require("values", values, "a mapping of paths to numbers", fits=isinstance(values, Mapping))
         request = self._request({**self._values, **values}, None, moves=False)
         try:
-            found: Result = self._worker.change(request).result()
+            return self._worker.change(request).result()
         except CancelledError:
-            raise FlankloadError("the explorer is closed") from None
-        return found
+            raise FlankloadError(CLOSED) from None
 
     def close(self) -> None:
         """End the page, the run and the server; nothing is left."""
@@ -148,11 +144,11 @@ class Explorer:
         except SceneError as error:
             with self._lock:
                 self._values = dict(values)
-            request = Request(next(self._numbers), dict(values), self._scene, moves, source)
-            self._worker.forget()
-            self._tell(Answer(request, None, True, 0.0, str(error)))
-            return
-        self._worker.ask(request)
+                request = Request(next(self._numbers), dict(values), self._scene, moves, source)
+            self._worker.ask(None)
+            self._tell(Answer(request, None, error=str(error)))
+        else:
+            self._worker.ask(request)
 
     def undo(self) -> None:
         """Return to the design before."""
@@ -165,19 +161,25 @@ class Explorer:
         from flankload.studies.optimisation import optimise
 
         scene, values = self._scene, dict(self._values)
-        start = {key.path: values.get(key.path, key.value) for key in self.shown}
+        start = {key: values.get(key.path, key.value) for key in self.shown}
+        variables = [
+            {"paths": key.path, "start": value, "step": key.step,
+             "lower": min(key.low, value), "upper": max(key.high, value)}
+            for key, value in start.items()
+            if not key.whole and not key.path.startswith("load.")
+        ]  # fmt: skip
 
-        def run(progress: Any) -> None:
-            named = scene.replace(changes_of(self.keys, start))
-            variables = [
-                {"paths": key.path, "start": start[key.path], "step": key.step,
-                 "lower": min(key.low, start[key.path]), "upper": max(key.high, start[key.path])}
-                for key in self.shown if not key.path.startswith("load.")
-            ]  # fmt: skip
-            found = optimise(named, variables, figure, progress=progress, starts=STARTS)
-            best = {path: self.keys[path].number(value) for path, value in found.values.items()}
-            self.ask({**values, **best})
+        def run() -> None:
+            best: dict[str, float] = {}
+            try:
+                named = scene.replace(changes_of(self.keys, {k.path: x for k, x in start.items()}))
+                progress = self._worker.watched()
+                found = optimise(named, variables, figure, progress=progress, starts=STARTS)
+                best = {path: self.keys[path].number(x) for path, x in found.values.items()}
+            finally:
+                self.ask({**values, **best})
 
+        self._worker.ask(None)
         return self._worker.do(run)
 
     def close_soon(self) -> None:

@@ -77,6 +77,10 @@ class Key:
         path = self.path.partition("[")[0]
         return f"{words(path)}, {unit_of(path)}".rstrip(", ")
 
+    def at(self, part: float) -> float | int:
+        """The value at a part of the slider."""
+        return self.number(self.low + part * (self.high - self.low))
+
     def number(self, value: float) -> float | int:
         """A value of a slider without the roundoff of its steps."""
         return round(value) if self.whole and value == round(value) else float(f"{value:.12g}")

@@ -20,8 +20,9 @@ from bokeh.models.widgets.markups import Div
 from bokeh.models.widgets.sliders import Slider
 
 from flankload.explorer import tables
+from flankload.explorer.bodies import Window, drawing_of, window_of
 from flankload.explorer.curves import curves_of, maps_of
-from flankload.explorer.pictures import PICTURES, Bodies, Picture, Trail
+from flankload.explorer.pictures import PICTURES, Picture, Trail
 from flankload.mechanisms.stage_clock import ELEMENTS
 
 if TYPE_CHECKING:
@@ -56,6 +57,11 @@ requestAnimationFrame(() => setTimeout(() => {
   painted.data = {number: [number[0]]};
 }, 0));
 """
+PLAY = f"""
+clearInterval(this.turning);
+const next = () => {{ place.value = (place.value + 1) % {PLACES}; }};
+if (this.active) this.turning = setInterval(next, {PLAY_MS});
+"""
 COPY = """
 fetch("scene.toml", {cache: "no-store"}).then(answer => answer.text()).then(text => {
   window.flankload_copied = text;
@@ -84,13 +90,14 @@ class Page:
         self._inputs: dict[str, tuple[Slider, Spinner, Div]] = {}
         self._setting = self._open = True
         self._newest = self._painted_number = self._sent = 0
+        self._window: Window | None = None
         self._waiting: Answer | None = None
         self._shown: Answer | None = None
         self._pinned: Answer | None = None
         self._derived: Answer | None = None
         self._changes, self._texts = dict[str, dict[str, Any]](), {"progress": "elements …"}
         self._pictures = {name: Picture(name, self._change) for name in PICTURES}
-        self._bodies, self._trail = Bodies(self._change), Trail(self._change, explorer.ask)
+        self._trail = Trail(self._change, explorer.ask)
         self._message, painted = ColumnDataSource(), ColumnDataSource({"number": [0]})
         receive = CustomJS(args={"sent": self._message, "painted": painted}, code=RECEIVE)
         self._message.js_on_change("data", receive)
@@ -100,7 +107,7 @@ class Page:
             "keys": _column(*(self._key(key) for key in explorer.shown), self._more()),
             "buttons": self._buttons(),
             **{name: picture.figure for name, picture in self._pictures.items()},
-            "bodies": _column(self._bodies.figure, self._turning()),
+            "turning": self._turning(),
             "trail": _column(self._trail.figure, self._choice()),
         }
         for name, root in roots.items():
@@ -193,9 +200,17 @@ class Page:
         columns = {} if result is None else {**curves_of(result), **maps_of(result)}
         for name, picture in self._pictures.items():
             picture.show(columns.get(name), result)
-        self._bodies.show(result, self._place.value / PLACES, moves=not answer.at_rest)
+        if result is not None and (self._window is None or answer.at_rest):
+            self._window = window_of(result)
         pinned = self._pinned.result if self._pinned else None
-        self._send(figures=tables.figures(result, pinned), **texts)
+        self._send(figures=tables.figures(result, pinned), bodies=self._drawing(), **texts)
+
+    def _drawing(self) -> str:
+        """The bodies at the position of the slider."""
+        assert self._shown is not None
+        if self._window is None:
+            return ""
+        return drawing_of(self._shown.result, self._place.value / PLACES, self._window)
 
     def _offer(self, result: Result) -> None:
         """Figures that the result has, to choose from."""
@@ -261,7 +276,7 @@ class Page:
         self._place = self._slider(0, PLACES - 1, 1, 0)
         self._place.on_change("value", self._on_place)
         play = Toggle(label="▶", width=40, **self._look)
-        play.on_change("active", self._on_play)
+        play.js_on_change("active", CustomJS(args={"place": self._place}, code=PLAY))
         return _row(play, self._place)
 
     def _choice(self) -> Any:
@@ -295,21 +310,11 @@ class Page:
 
     def _on_place(self, attr: str, old: Any, new: int) -> None:
         if self._shown is not None:
-            self._bodies.show(self._shown.result, new / PLACES, moves=True)
-            self._send()
+            self._send(bodies=self._drawing())
 
     def _on_figure(self, attr: str, old: Any, new: str) -> None:
         self._trail.show(self._explorer.trail, self._select.value, self._against.value)
         self._mark()
-
-    def _on_play(self, attr: str, old: Any, new: bool) -> None:
-        if new:
-            self._turn = self._document.add_periodic_callback(self._next_place, PLAY_MS)
-        else:
-            self._document.remove_periodic_callback(self._turn)
-
-    def _next_place(self) -> None:
-        self._place.value = (self._place.value + 1) % PLACES
 
     def _on_pin(self) -> None:
         if self._shown is not None and self._shown.result is not None:

@@ -1,4 +1,4 @@
-"""The pictures of a page: curves, bars and maps with their sources, the bodies, the trail."""
+"""The pictures of a page: curves, bars and maps with their sources, and the trail of designs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 from bokeh.models import (
     BoxZoomTool,
     ColumnDataSource,
-    CustomJS,
     HoverTool,
     LinearColorMapper,
     Range1d,
@@ -18,14 +17,12 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
-from flankload.explorer.bodies import INK, bodies_of, position_at, window_of, words_of
 from flankload.explorer.tables import label_of, number_of
 from flankload.plot.study_table import pareto_front
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from flankload.explorer.bodies import Window
     from flankload.explorer.worker import Answer
     from flankload.result import Result
 
@@ -34,8 +31,8 @@ if TYPE_CHECKING:
     Send = Callable[..., None]
 
 #: Colours that are legible on light and on dark ground.
-NOW, PINNED, FRONT, LINES = "#2f86d1", "#98a0a8", "#e08214", "#8a939c"
-#: Height of a picture and of the bodies, pixels.
+NOW, PINNED, FRONT, LINES, INK = "#2f86d1", "#98a0a8", "#e08214", "#8a939c", "#7b848d"
+#: Height of a picture and of the trail, pixels.
 HEIGHT, TALL = 220, 330
 #: Title, and labels of both axes, of each picture; that of a map has its largest value.
 PICTURES = {
@@ -49,24 +46,13 @@ PICTURES = {
     "line_load": ("Line load: black 0, yellow {:.0f} N/mm", "place in mesh pitches",
                   "axial position, mm"),
 }  # fmt: skip
-#: The window of the bodies, without distortion: it grows in one direction.
-UNDISTORTED = """
-const [left, right, low, high] = figure.tags;
-const {x_range, y_range, inner_width, inner_height} = figure;
-if (!(inner_width > 0 && right > left)) return;
-const scale = Math.max((right - left) / inner_width, (high - low) / inner_height);
-const [x, y, w, h] = [left + right, low + high, scale * inner_width, scale * inner_height];
-x_range.setv({start: (x - w) / 2, end: (x + w) / 2});
-y_range.setv({start: (y - h) / 2, end: (y + h) / 2});
-"""
 BARS, MAPS = ("sites", "spectrum"), ("pattern", "line_load")
 #: Pictures over the angle of the position, where pairs do not advance.
 OVER_POSITIONS = ("error", "share", "pressure", "line_load")
 #: Space beside curves, as part of their range; beside the middle of the outer bars.
 MARGIN, BESIDE = 0.1, 0.6
-#: Columns of a curve without points, of no areas, and of a map without values.
+#: Columns of a curve without points, and of a map without values.
 NO_CURVE: Columns = {"x": [], "y": [], "corner": []}
-NO_AREAS: Columns = {"xs": [], "ys": [], "fill": [], "alpha": [], "line": []}
 NO_MAP: Columns = {"image": [], "x": [], "y": [], "dw": [], "dh": []}
 
 
@@ -141,39 +127,6 @@ class Picture:
         if self._name not in MAPS:
             self._behind = columns
             self._send(self._pinned, data=columns)
-
-
-class Bodies:
-    """The bodies at a position, with the loads on their flanks."""
-
-    def __init__(self, send: Send) -> None:
-        self.figure = empty_figure("Loaded bodies", "", "", TALL)
-        self.figure.axis.visible, self.figure.grid.visible = False, False
-        self.figure.min_border = self.figure.min_border_left = self.figure.min_border_bottom = 0
-        self._areas = ColumnDataSource(dict(NO_AREAS))
-        self.figure.patches("xs", "ys", source=self._areas, fill_color="fill", fill_alpha="alpha",
-                            line_color="line", line_width=0.7)  # fmt: skip
-        undistorted = CustomJS(args={"figure": self.figure}, code=UNDISTORTED)
-        for name in ("inner_width", "inner_height", "tags"):
-            self.figure.js_on_change(name, undistorted)
-        self._window: Window | None = None
-        self._send = send
-
-    def show(self, result: Result | None, part: float, *, moves: bool) -> None:
-        """Show the position at a part of their range; nothing without a result.
-
-        While a key moves the window stays as it is.
-        """
-        if result is None:
-            self._send(self._areas, data=dict(NO_AREAS))
-            return
-        if self._window is None or not moves:
-            self._window = window_of(result)
-            (left, low), (right, high) = self._window.corners.tolist()
-            self._send(self.figure, tags=[left, right, low, high], css_classes=[])
-        p = position_at(result, part)
-        self._send(self._areas, data=bodies_of(result, p, self._window))
-        self._send(self.figure.title, text=words_of(result, p))
 
 
 class Trail:

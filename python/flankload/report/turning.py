@@ -74,11 +74,7 @@ def turning(results: Sequence[Result]) -> Turning:
     states = [[_state_at(one, p, scales_of(results), size) for p in shown] for one in results]
     return Turning(
         f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}",
-        tuple(
-            _outline(body.outline, body.teeth, OFF * size)
-            + _hole(body.hole_mm, _largest(body.outline))
-            for body in bodies
-        ),
+        tuple(body_path(body, size) for body in bodies),
         tuple((float(body.center_mm[0]), float(body.center_mm[1])) for body in bodies),
         tuple(body.number for body in bodies),
         round(LETTER * size, 3),
@@ -156,9 +152,11 @@ def _contacts(results: Sequence[Result], shown: list[int]) -> Iterator[tuple[Flo
             yield table.point_mm[loaded], table.normal[loaded] * site_force[:, None] / largest
 
 
-def _outline(sector: Floats, teeth: int, off_mm: float) -> str:
-    """SVG path of all teeth of a body."""
-    return f"M{_path_text(all_around(thinned(sector, off_mm), teeth))}Z"
+def body_path(body: DrawnBody, size_mm: float) -> str:
+    """SVG path of all teeth of a body and of its hole, in its own frame, for a size of picture."""
+    sector = thinned(body.outline, OFF * size_mm)
+    hole = _hole(body.hole_mm, _largest(body.outline))
+    return f"M{path_text(all_around(sector, body.teeth))}Z{hole}"
 
 
 def thinned(points: Floats, off_mm: float) -> Floats:
@@ -216,7 +214,7 @@ def _state_at(
         rows.append(row)
         shape, tip, out = load_shape(result, table, p, s, scales, size_mm)
         name = tip + LETTER * size_mm * (out - [0.0, 0.4])
-        paths.append([f"M{_path_text(shape)}Z", *(round(float(value), 2) for value in name)])
+        paths.append([f"M{path_text(shape)}Z", *(round(float(value), 2) for value in name)])
     return {
         "te": _short(round(float(result.transmission_error_um[p]), DECIMALS)),
         "pairs": rows,
@@ -292,6 +290,6 @@ def _legend(result: Result) -> str:
     )
 
 
-def _path_text(points: Floats) -> str:
+def path_text(points: Floats) -> str:
     """Points (n, 2) as in an SVG path."""
     return "L".join(f"{x:.2f} {y:.2f}" for x, y in points)

@@ -2,6 +2,7 @@
 
 import http.client
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from bokeh.document import Document
 from bokeh.palettes import Inferno256
 
 import flankload as fl
-from flankload.explorer.bodies import bodies_of, position_at, window_of
+from flankload.explorer.bodies import drawing_of, window_of
 from flankload.explorer.keys import keys_of, shown_keys
 from flankload.explorer.page import Page
 from flankload.explorer.pictures import Picture
@@ -185,7 +186,6 @@ def test_a_burst_ends_with_the_newest_request_and_never_goes_back() -> None:
     scene = scene_of()
     answers: list[Answer] = []
     worker = Worker(scene, keys_of(scene), (), answers.append, lambda *_: None)
-    worker.start()
     for number in range(1, 101):
         changed = scene.replace({"load.torque_Nm": 200.0 + number})
         worker.ask(Request(number, {"load.torque_Nm": 200.0 + number}, changed, moves=True))
@@ -214,7 +214,6 @@ def test_keys_that_reach_the_elements_are_known() -> None:
             done.set()
 
     worker = Worker(scene, keys, shown_keys(scene, keys, paths), tell, lambda *_: None)
-    worker.start()
     worker.ask(Request(1, {}, scene))
     assert done.wait(30)
     worker.close()
@@ -263,16 +262,16 @@ def test_teeth_over_their_width_carry_the_line_load_of_each_contact() -> None:
     assert isinstance(found, fl.Result)
     window = window_of(found)
     for part, p in ((0.0, 0), (0.9, 1)):
-        assert position_at(found, part) == p
-        areas = bodies_of(found, p, window)
+        drawing = drawing_of(found, part, window)
+        assert f"at {found.position_deg[p]:.2f}°" in drawing
         loads = found.slices.line_load_N_per_mm
-        bands = [colour for colour in areas["fill"] if colour in Inferno256]
+        bands = [fill for fill in re.findall('fill="(#[0-9A-Fa-f]*)"', drawing) if fill in Inferno256]
         assert len(bands) == 2 * np.count_nonzero(loads[p])
         brightest = Inferno256[min(int(256 * loads[p].max() / loads.max()), 255)]
         assert max(map(Inferno256.index, bands)) == Inferno256.index(brightest)
-        (left, low), (right, high) = window.corners
-        assert left < min(map(min, areas["xs"])) < max(map(max, areas["xs"])) < right
-        assert low < min(map(min, areas["ys"])) < max(map(max, areas["ys"])) < high
+        points = np.array(re.findall("[ML]([-.0-9]+) ([-.0-9]+)", drawing), dtype=float)
+        assert (window.corners[0] < points.min(axis=0)).all()
+        assert (points.max(axis=0) < window.corners[1]).all()
 
 
 # --- gate -----------------------------------------------------------------------------------------
