@@ -69,7 +69,6 @@ def _measured(name: str, path: str) -> tuple[float, list[float]]:
         start_s = time.monotonic() - begin
         times = []
         for _ in range(EVENTS):
-            while explorer._worker._steps:  # of the event before: the answer at rest, derivatives
-                time.sleep(0.01)
+            explorer._worker.do(int).result()  # after the answer at rest and the derivatives
             times.append(browser.value(STEP))
         return start_s, times

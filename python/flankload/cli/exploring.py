@@ -27,6 +27,8 @@ def explore(arguments: Namespace) -> None:
         explorer = explore_of(scene, arguments.vary, open_browser=False, port=arguments.port)
     except ImportError as error:
         raise OtherProgramError(str(error)) from None
+    except OSError as error:
+        refuse("--port", "a port that is free", f"{arguments.port}: {error.strerror}")
     with explorer, suppress(KeyboardInterrupt):
         print(explorer.url, flush=True)
         if not arguments.no_browser:

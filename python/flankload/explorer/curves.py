@@ -30,27 +30,28 @@ def curves_of(result: Result) -> dict[str, Columns]:
 
     `x`, `y` and `corner`: the pressure on sharp corners, which means nothing.
     """
-    known = result.engagement.pictures(result)
+    engagement, several = result.engagement, result.position_rad.size > 1
+    known = engagement.pictures(result)
     found: dict[str, Columns] = {}
-    if "transmission_error" in known and result.position_rad.size > 1:
+    if "transmission_error" in known and several:
         error = result.transmission_error_um
-        found["error"] = _columns(through_uneven(result, error) or curve(result, error))
+        found["error"] = _columns(*(through_uneven(result, error) or curve(result, error)))
     if "load_sharing" in known:
         place, share = way_curve(result, 100.0 * result.load_share)
-        found["share"] = _columns((place, lifted(share)))
-    if "peak_pressure" in known:
+        found["share"] = _columns(place, lifted(share))
+    stay = several and engagement.has_pressures and not engagement.pairs_advance
+    if "peak_pressure" in known or stay:
         place, pressure = way_curve(result, result.peak_pressure_MPa)
         on_corner = way_curve(result, result.corner_contact.astype(float))[1] > 0
         pressure = lifted(pressure)
         on_corner |= not (pressure[~on_corner] > 0).any()
-        found["pressure"] = _columns((place, np.where(on_corner, np.nan, pressure)))
-        found["pressure"]["corner"] = np.where(on_corner, pressure, np.nan)
+        found["pressure"] = _columns(place, pressure, on_corner)
     if "transmission_error_spectrum" in known:
         orders = result.key_figures["transmission_error_mesh_harmonics_um"] or []
-        found["spectrum"] = _columns((np.arange(1.0, 1 + len(orders)), np.array(orders)))
+        found["spectrum"] = _columns(np.arange(1.0, 1 + len(orders)), np.array(orders))
     if "load_sharing" not in known and result.sites.size > 1:
         force = result.site_force_N[of_largest_force(result)]
-        found["sites"] = _columns((1.0 * result.sites, force))
+        found["sites"] = _columns(1.0 * result.sites, force)
     return found
 
 
@@ -95,6 +96,10 @@ def _map(
     }  # fmt: skip
 
 
-def _columns(pair: Any) -> Columns:
-    x, y = (np.asarray(part, dtype=float) for part in pair)
-    return {"x": x, "y": y, "corner": np.full(x.size, np.nan)}
+def _columns(x: Any, y: Any, on_corner: Any = False) -> Columns:
+    """Columns of a curve from its first to its last value."""
+    (drawn,) = np.isfinite(y).nonzero()
+    points = np.array(np.broadcast_arrays(x, y, on_corner), dtype=float)
+    x, y, on_corner = points[:, drawn[0] : drawn[-1] + 1] if drawn.size else points[:, :0]
+    values = np.where(on_corner, np.nan, y), np.where(on_corner, y, np.nan)
+    return {"x": x, "y": values[0], "corner": values[1]}

@@ -134,6 +134,11 @@ class Explorer:
         """Keys with sliders that reach the elements."""
         return self._worker.reaching
 
+    @property
+    def derives(self) -> bool:
+        """Whether the drive has derivatives, which an optimisation needs."""
+        return self._worker.has_elements
+
     # --- for the page -----------------------------------------------------------------------------
     def ask(
         self, values: Mapping[str, float], *, moves: bool = False, source: object = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from math import floor, inf, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +56,8 @@ class Key:
         In the scene; 0 if the key is absent.
     low, high, step : float
         Of the slider: the usual range, within that of the schema.
+    least, most : float
+        Range of the schema.
     whole : bool
         Whether the key is an integer.
     absent : bool
@@ -68,14 +71,21 @@ class Key:
     low: float
     high: float
     step: float
+    least: float
+    most: float
     whole: bool
     absent: bool
 
     @property
     def name(self) -> str:
         """The key in words, with its unit."""
-        path = self.path.partition("[")[0]
-        return f"{words(path)}, {unit_of(path)}".rstrip(", ")
+        path, bracket, entry = self.path.partition("[")
+        return f"{words(path)}{bracket and ' '}{bracket}{entry}, {unit_of(path)}".rstrip(", ")
+
+    @property
+    def is_entry(self) -> bool:
+        """Whether it is an entry of a list."""
+        return self.path.endswith("]")
 
     def at(self, part: float) -> float | int:
         """The value at a part of the slider."""
@@ -99,60 +109,63 @@ def keys_of(scene: Scene) -> dict[str, Key]:
 
 
 def _keys_in(table: Table, path: str, given: Mapping[str, Any], pair: Any) -> Iterator[Key]:
-    """Numeric keys of a table and of the tables in it."""
+    """Numeric keys of a table and of the tables in it, and numeric entries of its lists."""
     usual = usual_ranges(type(table))
     for name, form in types_of(type(table)).items():
         value, place = getattr(table, name), f"{path}.{name}"
-        number = _number_type(form)
         if isinstance(value, Table):
             yield from _keys_in(value, place, given.get(name, {}), pair)
-        if number is None or isinstance(value, str | bool | Table):
+        is_list = isinstance(value, tuple)
+        number = _number_type(form, in_list=is_list)
+        entries = value if is_list else (0 if value is None else value,)
+        if number is None or not all(map(_is_number, entries)):
             continue
-        if isinstance(value, tuple):  # torques: the slider changes the largest one
-            if path != "load":
-                continue
-            place, value = f"{place}[{value.index(max(value))}]", max(value)
         extra = (form.extra_json_schema or {}) if isinstance(form, inspect.Metadata) else {}
         unit, meaning = str(extra.get("unit", "")), str(extra.get("description", ""))
         if (known := usual.get(name)) and known.per is not None:
             length = known.per[0]
             known = known.at(getattr(table, length, None) or getattr(pair, length, None))
-        low, high, step = _range(value or 0.0, unit, number, known)
+        limits = (number.ge, number.gt, -inf), (number.le, number.lt, inf)
+        least, most = (next(float(end) for end in ends if end is not None) for ends in limits)
         whole, absent = isinstance(number, inspect.IntType), not value and name not in given
-        yield Key(place, unit, meaning, value or 0, low, high, step, whole, absent)
+        for i, one in enumerate(entries):
+            low, high = _range(one, unit, known, whole=whole)
+            if low >= most or high <= least:  # 0 is no value of the key
+                low, high = least, min(most, least + 10.0)
+            step = _step(max(low, least), min(high, most), whole=whole)
+            low, high = (float(f"{step * round(end / step):.12g}") for end in (low, high))
+            yield Key(
+                f"{place}[{i}]" if is_list else place, unit, meaning, one,
+                max(low, least), min(high, most), step, least, most, whole, absent,
+            )  # fmt: skip
 
 
-def _number_type(form: inspect.Type) -> Number | None:
-    """The type of a number among those of a key, with its limits."""
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _number_type(form: inspect.Type, *, in_list: bool) -> Number | None:
+    """The type of a number among those of a key, or of the entries of its list."""
     while isinstance(form, inspect.Metadata):
         form = form.type
     for part in form.types if isinstance(form, inspect.UnionType) else (form,):
+        if in_list and isinstance(part, inspect.VarTupleType):
+            return _number_type(part.item_type, in_list=False)
         bare = part.type if isinstance(part, inspect.Metadata) else part
-        if isinstance(bare, inspect.IntType | inspect.FloatType):
+        if isinstance(bare, inspect.IntType | inspect.FloatType) and not in_list:
             return bare
     return None
 
 
-def _range(
-    value: float, unit: str, number: Number, usual: Usual | None
-) -> tuple[float, float, float]:
-    """Range and step of a slider, within the limits of the key."""
-    least = next((float(end) for end in (number.ge, number.gt) if end is not None), -inf)
-    most = next((float(end) for end in (number.le, number.lt) if end is not None), inf)
+def _range(value: float, unit: str, usual: Usual | None, *, whole: bool) -> tuple[float, float]:
+    """Ends of a slider."""
     if unit in ADJUSTED or value == 0:
         # a key without another scale has the half of its largest usual value
         high = 2.0 * abs(value) or (0.5 * usual.high if usual and usual.per else 10.0)
         low = 0.0 if unit in ("N m", "N") else -high
     else:
         low, high = value - AROUND * abs(value), value + AROUND * abs(value)
-    whole = isinstance(number, inspect.IntType)
-    if whole:
-        low, high = min(low, value - 2), max(high, value + 2)
-    if low >= most or high <= least:  # 0 is no value of the key
-        low, high = least, min(most, least + 10.0)
-    step = _step(max(low, least), min(high, most), whole=whole)
-    low, high = (float(f"{step * round(end / step):.12g}") for end in (low, high))
-    return max(low, least), min(high, most), step
+    return (min(low, value - 2), max(high, value + 2)) if whole else (low, high)
 
 
 def _step(low: float, high: float, *, whole: bool) -> float:
@@ -166,13 +179,19 @@ def shown_keys(scene: Scene, keys: Mapping[str, Key], vary: Sequence[str]) -> tu
     """
     if vary:
         return tuple(dict.fromkeys(_asked(keys, text) for text in vary))
-    adjusted = [key for key in keys.values() if key.unit in ADJUSTED and key.low < key.high]
+    torques = [key for key in keys.values() if key.path.startswith("load.torque_Nm")]
+    single = [key for key in keys.values() if not (key.is_entry or key in torques)]
+    adjusted = [key for key in single if key.unit in ADJUSTED and key.low < key.high]
     found = [key for key in adjusted if not key.absent or _is_common(scene, keys, key)]
-    more = (key for key in keys.values() if not key.absent and key not in found)
-    found += [key for _, key in zip(range(ENOUGH - len(found)), more, strict=False)]
-    order = list(keys.values())
-    found.sort(key=lambda key: (not key.path.startswith("load."), order.index(key)))
-    return tuple(found[:MOST])
+    names = [key.path.rpartition(".")[2] for key in single]
+    more = (
+        key
+        for key, name in zip(single, names, strict=True)
+        if not (key.absent or key.whole or key in found or names.count(name) > 1)  # mates agree
+    )
+    found += [key for _, key in zip(range(ENOUGH - 1 - len(found)), more, strict=False)]
+    found.sort(key=lambda key: (not key.path.startswith("load."), single.index(key)))
+    return max(torques, key=lambda key: key.value), *found[: MOST - 1]
 
 
 def _is_common(scene: Scene, keys: Mapping[str, Key], key: Key) -> bool:
@@ -210,8 +229,8 @@ def _asked(keys: Mapping[str, Key], text: str) -> Key:
     """The key of PATH or PATH=LOW:HIGH, with that range."""
     path, equals, ends = (part.strip() for part in text.partition("="))
     if path not in keys:
-        near = ", ".join(other for other in keys if other.endswith(path.rpartition(".")[2]))
-        expected = "a numeric key of the scene" + (f" ({near})" if near else "")
+        near = " or ".join(get_close_matches(path, keys, n=2, cutoff=0.8))
+        expected = "a numeric key of the scene" + (f" (did you mean {near}?)" if near else "")
         refuse("vary", expected, shown(path))
     key = keys[path]
     if not equals:
@@ -219,7 +238,9 @@ def _asked(keys: Mapping[str, Key], text: str) -> Key:
     try:
         low, high = (float(number_of(part)) for part in ends.split(":"))
     except ValueError:
-        low = high = 0.0
-    if not (isfinite(low) and isfinite(high) and low < high):
-        refuse(f"vary.{path}", "two ascending numbers, LOW:HIGH", shown(ends))
+        low = high = inf
+    if not key.least <= low < high <= key.most or (key.whole and {low % 1, high % 1} != {0}):
+        kind = "integers" if key.whole else "numbers"
+        limits = f" from {key.least:g} to {key.most:g}" if isfinite(key.most) else ""
+        refuse(f"vary.{path}", f"two ascending {kind}{limits}, LOW:HIGH", shown(ends))
     return replace(key, low=low, high=high, step=_step(low, high, whole=key.whole))

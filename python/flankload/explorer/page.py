@@ -235,9 +235,9 @@ class Page:
     def _key(self, key: Key) -> Any:
         """Slider, typed value and reset of a key, below its name."""
         name = Div(**self._wide)
-        slider = self._slider(key.low, key.high, key.step, key.value)
-        spinner = Spinner(value=key.value, step=key.step, width=90, **self._look)
-        reset = Button(label="↺", width=32, **self._look)
+        slider = self._slider(key.name, key.low, key.high, key.step, key.value)
+        spinner = Spinner(value=key.value, step=key.step, width=90, **self._named(key.name))
+        reset = Button(label="↺", width=32, **self._named(f"reset {key.name}"))
         for one, other in ((slider, spinner), (spinner, slider)):
             code = "if (this.value != null) other.value = this.value"
             one.js_on_change("value", CustomJS(args={"other": other}, code=code))
@@ -247,15 +247,21 @@ class Page:
         reset.on_click(partial(self._reset, key.path))
         return _column(name, _row(slider, spinner, reset))
 
-    def _slider(self, low: float, high: float, step: float, value: float) -> Slider:
+    def _slider(self, name: str, low: float, high: float, step: float, value: float) -> Slider:
         return Slider(start=low, end=high, step=step, value=value, show_value=False, title=None,
-                      tooltips=False, margin=HANDLE, **self._wide)  # fmt: skip
+                      tooltips=False, margin=HANDLE, sizing_mode="stretch_width",
+                      **self._named(name))  # fmt: skip
+
+    def _named(self, name: str) -> dict[str, Any]:
+        """Look and accessible name of a widget without a label."""
+        return {**self._look, "html_attributes": {"role": "group", "aria-label": name}}
 
     def _more(self) -> Select:
         """A key that has no slider yet."""
         others: list[Any] = [("", "another key …")]
-        others += [(path, key.name) for path, key in self._explorer.keys.items()]
-        more = Select(options=others, **self._wide)
+        keys = self._explorer.keys.values()
+        others += [(key.path, key.name) for key in keys if not key.is_entry]
+        more = Select(options=others, sizing_mode="stretch_width", **self._named("another key"))
         more.on_change("value", self._on_more)
         return more
 
@@ -265,6 +271,8 @@ class Page:
             "copy scene": CustomJS(code=COPY), "report": CustomJS(code='window.open("report")'),
             "close": self._explorer.close_soon,
         }  # fmt: skip
+        if not self._explorer.derives:
+            del actions["optimise"]
         made = [Button(label=label, name=label, **self._look) for label in actions]
         for button, action in zip(made, actions.values(), strict=True):
             listen = button.js_on_click if isinstance(action, CustomJS) else button.on_click
@@ -273,9 +281,9 @@ class Page:
 
     def _turning(self) -> Any:
         """The slider of the position of the bodies."""
-        self._place = self._slider(0, PLACES - 1, 1, 0)
+        self._place = self._slider("position", 0, PLACES - 1, 1, 0)
         self._place.on_change("value", self._on_place)
-        play = Toggle(label="▶", width=40, **self._look)
+        play = Toggle(label="▶", width=40, **self._named("turn the bodies"))
         play.js_on_change("active", CustomJS(args={"place": self._place}, code=PLAY))
         return _row(play, self._place)
 

@@ -184,6 +184,7 @@ def empty_figure(title: str, x: str, y: str, height: int, *, fixed: bool = True)
         outline_line_color=None,  # Bokeh 3.9 strokes the last path of the drawing before with it
         toolbar_location="right", min_width=100,
         min_border_left=64, min_border_bottom=44,  # labels that grow move nothing
+        html_attributes={"role": "figure", "aria-label": title.partition(":")[0]},
     )  # fmt: skip
     made.css_classes = ["absent"]  # until there are data
     made.toolbar.autohide, made.toolbar.logo, made.toolbar.active_drag = True, None, None

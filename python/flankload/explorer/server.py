@@ -7,6 +7,7 @@ Host or Origin is another site's: a page in the same browser, or a name that lea
 from __future__ import annotations
 
 import asyncio
+import logging
 import socket
 from hmac import compare_digest
 from secrets import token_urlsafe
@@ -39,7 +40,11 @@ class _Gate(BokehTornado):
     def __init__(
         self, fill: Callable[[Document], None], token: str, port: int, **more: Any
     ) -> None:
-        self._hosts, self._token = (f"{LOOPBACK}:{port}", f"localhost:{port}"), token.encode()
+        # browsers leave out port 80
+        self._hosts = tuple(
+            f"{host}:{port}".removesuffix(":80") for host in (LOOPBACK, "localhost")
+        )
+        self._token = token.encode()
         super().__init__(
             {"/": fill}, prefix=token, extra_websocket_origins=self._hosts, use_index=False,
             check_unused_sessions_milliseconds=UNUSED_MS, log_function=lambda _: None,
@@ -95,6 +100,8 @@ class Server:
         files: dict[str, Callable[[], tuple[str, str]]],
         port: int,
     ) -> None:
+        # a page that is closed while a message is sent is no concern of the user
+        logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
         sockets = bind_sockets(port, LOOPBACK, family=socket.AF_INET)
         port, token = int(sockets[0].getsockname()[1]), token_urlsafe(TOKEN_BYTES)
         self.url = f"http://{LOOPBACK}:{port}/{token}/"

@@ -57,7 +57,8 @@ def status(answer: Answer) -> str:
         return f'<span class="line broken">{escape(answer.error)}</span>'
     result = answer.result
     assert result is not None
-    text = f"{1e3 * answer.seconds:.0f} ms, {result.position_rad.size} positions"
+    count = result.position_rad.size
+    text = f"{1e3 * answer.seconds:.0f} ms, {count} position{'s' * (count > 1)}"
     if not answer.at_rest:
         return f"{text}, no error estimate while a key moves"
     estimate = (result.estimate or {}).items()

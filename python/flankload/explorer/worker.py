@@ -97,7 +97,8 @@ class Worker:
     """A thread that solves the newest request for the keys with sliders, `shown`.
 
     It calls `tell` with each answer and `progress(stage, done, total)`. `reaching` has the paths of
-    the keys with sliders that change the elements, so that they are solved on release.
+    the keys with sliders that change the elements, so that they are solved on release, and
+    `has_elements` is set if the drive has elements and derivatives.
     """
 
     def __init__(
@@ -114,7 +115,7 @@ class Worker:
         self._tell, self._progress = tell, progress
         self._newest: Request | None = None
         self._changed, self._closing = Condition(), False
-        self._has_elements = mechanism_of(scene).no_flanks_reason is None
+        self.has_elements = mechanism_of(scene).no_flanks_reason is None
         self._thread = ThreadPoolExecutor(1, "flankload explorer")
 
     def ask(self, request: Request | None) -> None:
@@ -160,7 +161,7 @@ class Worker:
             old = request is not None and self._newest is not request
             if self._closing or (old and time.monotonic() > until):
                 raise _EndedError
-            if moves and self._has_elements and stage.startswith(ELEMENTS):
+            if moves and self.has_elements and stage.startswith(ELEMENTS):
                 raise _ElementsError
             self._progress(stage, done, total)
 
@@ -201,7 +202,7 @@ class Worker:
 
     def _derive(self, request: Request) -> None:
         """Find the keys that reach the elements, and derivatives, as far as the drive has them."""
-        if not self._has_elements or self._newest is not request:
+        if not self.has_elements or self._newest is not request:
             return
         progress = self.watched(request)
         self.reaching = frozenset(self._reaching(request.values, progress))

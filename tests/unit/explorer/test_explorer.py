@@ -32,7 +32,9 @@ RELIEF = {"body_1.tip_relief_um": 20, "body_2.tip_relief_um": 15}
 FEW = {"accuracy.estimate": False, "accuracy.tangents": False, "accuracy.flank_element_mm": 4.0,
        "accuracy.strips_per_half_width": 2.5, "accuracy.corner_strips_per_half_width": 2.5,
        "positions.count": 8}  # fmt: skip
-RANGE = "vary.load.torque_Nm: expected two ascending numbers, LOW:HIGH, found '{}'"
+NO_KEY = "vary: expected a numeric key of the scene{}, found '{}'"
+RANGE = "vary.load.torque_Nm: expected two ascending numbers from 0 to 1e+12, LOW:HIGH, found '{}'"
+WHOLE = "vary.body_1.teeth: expected two ascending integers from 3 to 10000, LOW:HIGH, found '{}'"
 TORQUE = {"load.torque_Nm": 200.0}
 
 
@@ -65,7 +67,7 @@ def test_every_scene_has_sliders_whose_ends_its_schema_allows(name: str) -> None
         assert 0 < key.step <= key.high - key.low, key
     shown = shown_keys(scene, keys, ())
     assert shown[0].path == "load.torque_Nm"
-    assert len(shown) >= 3
+    assert len(shown) >= 2
     for key in shown:
         assert key.low <= key.value <= key.high, key
         assert key.meaning
@@ -80,16 +82,38 @@ def test_a_range_that_is_asked_for_is_that_of_the_slider() -> None:
 @pytest.mark.parametrize(
     ("asked", "line"),
     [
-        ("body_1.tip", "vary: expected a numeric key of the scene, found 'body_1.tip'"),
-        ("body_1.kind", "vary: expected a numeric key of the scene, found 'body_1.kind'"),
+        ("body_1.kind", NO_KEY.format("", "body_1.kind")),
+        ("load.torque", NO_KEY.format(" (did you mean load.torque_Nm?)", "load.torque")),
+        ("", NO_KEY.format("", "")),
         ("load.torque_Nm=3:1", RANGE.format("3:1")),
         ("load.torque_Nm=0:nan", RANGE.format("0:nan")),
+        ("load.torque_Nm=-5:5", RANGE.format("-5:5")),
+        ("load.torque_Nm=5", RANGE.format("5")),
+        ("body_1.teeth=9.5:20", WHOLE.format("9.5:20")),
     ],
 )
 def test_a_slider_that_is_impossible_is_refused(asked: str, line: str) -> None:
     with pytest.raises(fl.SceneError) as caught:
         fl.explore(scene_of(), [asked], open_browser=False)
     assert str(caught.value) == line
+
+
+def test_entries_of_lists_are_keys_and_the_largest_torque_has_a_slider() -> None:
+    errors = {"body_1.pitch_errors_um": [0, 0, 3, *13 * [0]]}
+    scene = scene_of().replace({"load.torque_Nm": [100, 300, 200], **errors})
+    keys = keys_of(scene)
+    assert shown_keys(scene, keys, ())[0].path == "load.torque_Nm[1]"
+    (key,) = shown_keys(scene, keys, ["body_1.pitch_errors_um[2]"])
+    assert (key.value, key.low, key.high) == (3, -6, 6)
+    assert key.name == "pitch errors of body 1 [2], µm"
+    assert scene.replace({key.path: key.at(1.0)}).body_1.pitch_errors_um[2] == 6
+
+
+def test_no_key_that_both_bodies_share_has_a_slider_by_default() -> None:
+    """The module of one of both bodies of a spline had one: each other value is impossible."""
+    scene = fl.read_scene(SCENES / "spline.toml")
+    paths = [key.path for key in shown_keys(scene, keys_of(scene), ())]
+    assert {"body_1.module_mm", "body_1.teeth"}.isdisjoint(paths)
 
 
 # --- handle ---------------------------------------------------------------------------------------
@@ -265,7 +289,8 @@ def test_teeth_over_their_width_carry_the_line_load_of_each_contact() -> None:
         drawing = drawing_of(found, part, window)
         assert f"at {found.position_deg[p]:.2f}°" in drawing
         loads = found.slices.line_load_N_per_mm
-        bands = [fill for fill in re.findall('fill="(#[0-9A-Fa-f]*)"', drawing) if fill in Inferno256]
+        fills = re.findall('fill="(#[0-9A-Fa-f]*)"', drawing)
+        bands = [fill for fill in fills if fill in Inferno256]
         assert len(bands) == 2 * np.count_nonzero(loads[p])
         brightest = Inferno256[min(int(256 * loads[p].max() / loads.max()), 255)]
         assert max(map(Inferno256.index, bands)) == Inferno256.index(brightest)
