@@ -27,12 +27,13 @@ from flankload.scene.effects import effects_of
 from flankload.scene.steps import REDUCED_DEGREES, REDUCED_MODES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from flankload.bodies import Body
     from flankload.elasticity.prism import Prism
     from flankload.mechanisms.stage_clock import Kept, StageClock
     from flankload.pairing.expansion import BodyLoad
+    from flankload.pairing.slices import Slices
     from flankload.scene import Scene
     from flankload.scene.effects import Effects
 
@@ -242,35 +243,29 @@ def solve_bodies(
     )
 
 
-def reduced_compliances(
+def variants_of(
     compliances: tuple[BodyCompliance, ...],
-) -> dict[str, dict[str, object]]:
-    """Arguments of the sweeps that show the errors of modes, and of elements if estimated."""
-    found: dict[str, dict[str, object]] = {
+    slices: Slices,
+    coarser: Callable[[], Mapping[str, object]],
+) -> dict[str, Mapping[str, object]]:
+    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show.
+
+    `coarser`: arguments of a sweep with half as many slices, where bodies have a width.
+    """
+    found: dict[str, Mapping[str, object]] = {
         source: {"compliances": tuple(each.fewer_modes(fewer) for each in compliances)}
         for source, fewer in (("modes", REDUCED_MODES), (f"modes{BEFORE}", 2 * REDUCED_MODES))
     }
     if any(each.fe_error is not None for each in compliances):
         found["elements"] = {"compliances": tuple(each.with_fe_error(1.0) for each in compliances)}
-    return found
-
-
-def reduced_over_width(
-    compliances: tuple[BodyCompliance, ...], coarser: Mapping[str, object]
-) -> dict[str, Mapping[str, object]]:
-    """Arguments of the sweeps that show the errors of degrees along the axis and of slices.
-
-    `coarser`: arguments of a sweep with half as many slices.
-    """
+    if slices.plane:
+        return found
 
     def fewer(degrees: int) -> dict[str, object]:
         return {"compliances": tuple(each.fewer_axial_modes(degrees) for each in compliances)}
 
-    return {
-        "axial": fewer(REDUCED_DEGREES),
-        "slices": coarser,
-        f"axial{BEFORE}": fewer(2 * REDUCED_DEGREES),
-    }
+    found["axial"], found["slices"] = fewer(REDUCED_DEGREES), coarser()
+    return found | {f"axial{BEFORE}": fewer(2 * REDUCED_DEGREES)}
 
 
 def account_errors_of_elements(

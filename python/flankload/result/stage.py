@@ -33,6 +33,19 @@ LEAST_ORBIT = 1e-9
 HIGHEST_ORDER = 12
 
 
+def components(array: str, words: str) -> tuple[property, property]:
+    """Components x and y of the last axis of an array; the words have their name."""
+
+    def of(k: int, name: str) -> property:
+        def read(loads: StageLoads) -> Floats:
+            return np.asarray(getattr(loads, array)[..., k])
+
+        read.__doc__ = words.format(name)
+        return property(read)
+
+    return of(0, "x"), of(1, "y")
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class StageLoads(Drive):
     """Loads of a planetary stage at P positions, n planets, in the frame of its carrier.
@@ -118,55 +131,23 @@ class StageLoads(Drive):
         }
         return super().units(axes) | more[axes]
 
-    @property
-    def sun_orbit_x_um(self) -> Floats:
-        """(P,) Displacement of the sun along x in the frame of the carrier."""
-        return np.asarray(self.sun_orbit_um[..., 0])
-
-    @property
-    def sun_orbit_y_um(self) -> Floats:
-        """(P,) Displacement of the sun along y in the frame of the carrier."""
-        return np.asarray(self.sun_orbit_um[..., 1])
-
-    @property
-    def ring_orbit_x_um(self) -> Floats:
-        """(P,) Displacement of the ring along x in the frame of the carrier."""
-        return np.asarray(self.ring_orbit_um[..., 0])
-
-    @property
-    def ring_orbit_y_um(self) -> Floats:
-        """(P,) Displacement of the ring along y in the frame of the carrier."""
-        return np.asarray(self.ring_orbit_um[..., 1])
-
-    @property
-    def carrier_orbit_x_um(self) -> Floats:
-        """(P,) Displacement of a floating carrier along x in its frame at rest."""
-        return np.asarray(self.carrier_orbit_um[..., 0])
-
-    @property
-    def carrier_orbit_y_um(self) -> Floats:
-        """(P,) Displacement of a floating carrier along y in its frame at rest."""
-        return np.asarray(self.carrier_orbit_um[..., 1])
-
-    @property
-    def planet_force_x_N(self) -> Floats:
-        """(P, n) Force of the sun on each planet along x in the frame of the carrier."""
-        return np.asarray(self.planet_force_N[..., 0])
-
-    @property
-    def planet_force_y_N(self) -> Floats:
-        """(P, n) Force of the sun on each planet along y in the frame of the carrier."""
-        return np.asarray(self.planet_force_N[..., 1])
-
-    @property
-    def pin_force_x_N(self) -> Floats:
-        """(P, n) Force of each planet on its pin along x in the frame of the carrier."""
-        return np.asarray(self.pin_force_N[..., 0])
-
-    @property
-    def pin_force_y_N(self) -> Floats:
-        """(P, n) Force of each planet on its pin along y in the frame of the carrier."""
-        return np.asarray(self.pin_force_N[..., 1])
+    sun_orbit_x_um, sun_orbit_y_um = components(
+        "sun_orbit_um", "(P,) Displacement of the sun along {} in the frame of the carrier."
+    )
+    ring_orbit_x_um, ring_orbit_y_um = components(
+        "ring_orbit_um", "(P,) Displacement of the ring along {} in the frame of the carrier."
+    )
+    carrier_orbit_x_um, carrier_orbit_y_um = components(
+        "carrier_orbit_um", "(P,) Displacement of a floating carrier along {} in its frame at rest."
+    )
+    planet_force_x_N, planet_force_y_N = components(
+        "planet_force_N",
+        "(P, n) Force of the sun on each planet along {} in the frame of the carrier.",
+    )
+    pin_force_x_N, pin_force_y_N = components(
+        "pin_force_N",
+        "(P, n) Force of each planet on its pin along {} in the frame of the carrier.",
+    )
 
     @property
     def count(self) -> int:

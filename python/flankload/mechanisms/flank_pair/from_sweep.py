@@ -24,7 +24,7 @@ from flankload.result.root_stress import root_reading
 from flankload.result.slices import SliceLoads
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from flankload.bodies.profile_deviation import ProfileDeviation
     from flankload.contact.pair_table import PackedPairs
     from flankload.contact.sweep import CoastSweep, Sweep
+    from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
     from flankload.pairing.gear_pair import GearGeometry
@@ -80,7 +81,7 @@ def result_of(
         whole_circle=circle,
         face_width_mm=pair.face_width_mm,
         estimate=estimate,
-        cost=_cost(found, compliances),
+        cost=cost_of(found, compliances),
         warnings=(*pair_notes, *notes, *notes_of_sweep(pair, compliances, found)),
         drawing=_drawing(pair),
         geometry=None if geometry is None else replace(geometry, speed_rpm=scene.effects.speed_rpm),
@@ -134,7 +135,7 @@ def _slice_loads(pair: BodyPair, found: Sweep, weights: Floats) -> SliceLoads:
     )
 
 
-def _cost(found: Sweep, compliances: Compliances) -> dict[str, object]:
+def cost_of(found: Sweep, compliances: Sequence[BodyCompliance]) -> dict[str, object]:
     """Work of the states of one torque, without tangents and estimate."""
     counters = found.counters.sum(axis=0, dtype=np.int64).tolist()
     return {
@@ -164,27 +165,41 @@ def _pair_tables(pair: BodyPair, pairs: PackedPairs) -> PairTables:
 def _pair_table(pair: BodyPair, pairs: PackedPairs, p: int) -> PairTable:
     """Contact pairs at position p."""
     column, number, slices = pairs.columns_at(p), pairs.slices_at(p), pair.slices
-    # the contact line of a slice and its normal are inclined by the base helix angle
-    length = slices.width_mm[number] * np.hypot(1.0, _slope(pair, column))
     half_width = pair.effects.lumped_contact and not pair.pairing.whole_circle
     return PairTable(
         site=pair.pairing.sites[pairs.at(p)[0]],
-        arc_length_1_mm=column["s_1"],
-        arc_length_2_mm=column["s_2"],
         radius_mm=column["radius"],
         x_mm=column["x"],
         y_mm=column["y"],
         normal_x=column["normal_x"],
         normal_y=column["normal_y"],
-        force_N=column["force"],
-        pressure_MPa=column["force"] / (column["cell"] * length),
-        gap_um=1000.0 * column["gap"],
-        cell_mm=column["cell"],
         sliding_mm_per_rad=column.get("sliding"),
         friction_force_N=column["friction"] * column["force"] if "friction" in column else None,
         half_width_mm=column["cell"] * (2.0 / pi) if half_width else None,
-        z_mm=None if slices.plane else slices.z_mm[number],
+        # the contact line of a slice and its normal are inclined by the base helix angle
+        **contact_columns(column, slices, number, np.hypot(1.0, _slope(pair, column))),
     )
+
+
+def contact_columns(
+    column: Mapping[str, Floats],
+    slices: Slices,
+    number: NDArray[np.integer],
+    inclined: Floats | float,
+) -> dict[str, Floats]:
+    """Columns of a table of contact pairs that no frame changes.
+
+    `number`: of the slice of each pair; `inclined`: length of its contact line over the width.
+    """
+    found = {
+        "arc_length_1_mm": column["s_1"],
+        "arc_length_2_mm": column["s_2"],
+        "force_N": column["force"],
+        "pressure_MPa": column["force"] / (column["cell"] * (slices.width_mm[number] * inclined)),
+        "gap_um": 1000.0 * column["gap"],
+        "cell_mm": column["cell"],
+    }
+    return found if slices.plane else found | {"z_mm": slices.z_mm[number]}
 
 
 def _friction(

@@ -26,8 +26,7 @@ from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.elements import (
     account_errors_of_elements,
-    reduced_compliances,
-    reduced_over_width,
+    variants_of,
 )
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
 from flankload.mechanisms.flank_pair.premises import blame_load
@@ -241,7 +240,11 @@ def error_estimates(
                 compliances,
                 grid if lumped else grid.coarser(),
                 weights,
-                variants=_variants(pair, compliances),
+                variants=variants_of(
+                    compliances,
+                    pair.slices,
+                    lambda: {"mesh": replace(pair, slices=pair.slices.coarser())},
+                ),
                 lumped=_lumped_errors(under_load, states, compliances, weights) if lumped else None,
                 sources=_sources(pair, compliances),
             )
@@ -281,15 +284,6 @@ def _weights(pair: BodyPair) -> NDArray[np.float64]:
         period_rad=pair.period_rad,
         closed=pair.closed,
     ).weights
-
-
-def _variants(pair: BodyPair, compliances: Compliances) -> dict[str, Mapping[str, object]]:
-    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
-    found: dict[str, Mapping[str, object]] = {**reduced_compliances(compliances)}
-    if not pair.slices.plane:
-        coarser = {"mesh": replace(pair, slices=pair.slices.coarser())}
-        return found | reduced_over_width(compliances, coarser)
-    return found
 
 
 def _sources(

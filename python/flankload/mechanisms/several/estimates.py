@@ -14,8 +14,7 @@ from flankload.contact.meshes_contact import sweep_meshes
 from flankload.errors import ContactError
 from flankload.mechanisms.elements import (
     account_errors_of_elements,
-    reduced_compliances,
-    reduced_over_width,
+    variants_of,
 )
 from flankload.result.position_order import order_of
 
@@ -50,7 +49,13 @@ def error_estimates(
     """
     contact, torques = states.contact, scene.torques_Nmm
     lumped, grid = contact.level == "lumped", contact.grid
-    plane, variants = assembly.is_plane, _variants(assembly, compliances)
+    plane = assembly.is_plane
+    coarser = tuple(slices.coarser() for slices in assembly.slices)
+    variants = variants_of(
+        compliances,
+        assembly.slices[0],
+        lambda: {"meshes": replace(assembly, slices=coarser).meshes},
+    )
     weights = np.full(assembly.position_rad.size, 1.0 / assembly.position_rad.size)
     whole = tuple(one.whole for one in states.found)
     reduced: dict[int, tuple[MeshesSweep, ...]] = {}
@@ -130,15 +135,6 @@ def _lumped(
 ) -> dict[str, RemainingError]:
     """Errors of the lumped contacts of a mesh."""
     return measured_error(states.found[loaded[t]].meshes[m], states.contact.compliances)
-
-
-def _variants(assembly: AnyAssembly, compliances: Compliances) -> dict[str, Mapping[str, object]]:
-    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show."""
-    found: dict[str, Mapping[str, object]] = {**reduced_compliances(compliances)}
-    if assembly.is_plane:
-        return found
-    coarser = replace(assembly, slices=tuple(slices.coarser() for slices in assembly.slices))
-    return found | reduced_over_width(compliances, {"meshes": coarser.meshes})
 
 
 def weights_of(assembly: AnyAssembly) -> Floats:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 
 from flankload.base.torque import in_newton_metres, stiffness_Nm_per_rad
-from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.status import on_corner
-from flankload.mechanisms.flank_pair.from_sweep import result_of
+from flankload.mechanisms.flank_pair.from_sweep import contact_columns, cost_of, result_of
 from flankload.mechanisms.several.estimates import OF_MESHES
 from flankload.pairing.body_pair import BodyPair
 from flankload.pairing.gear_pair import cosine_base_helix
@@ -106,7 +105,6 @@ def result_of_meshes(
 ) -> Result:
     """Result of a torque; `drive`: its quantities that only this kind of drive has."""
     pairing, whole = assembly.pairing, found.whole
-    counters = whole.counters.sum(axis=0, dtype=np.int64).tolist()
     return Result(
         name=scene.name,
         torque_Nm=in_newton_metres(whole.torque_Nmm),
@@ -127,13 +125,7 @@ def result_of_meshes(
         estimate=None
         if estimate is None
         else {name: part for name, part in estimate.items() if name != OF_MESHES},
-        cost={
-            "positions": whole.status.size,
-            "of_this_torque": dict(zip(CORE_COUNTERS, counters, strict=True)),
-            "fe_degrees_of_freedom": [c.job.degrees_of_freedom for c in compliances],
-            "largest_backward_error": float(np.max(whole.certificate[:, 0], initial=0.0)),
-            "largest_condition": float(np.max(whole.certificate[:, 1], initial=0.0)),
-        },
+        cost=cost_of(whole, compliances),
         warnings=assembly.notes,
         drawing=_drawing(assembly),
         drive=drive,
@@ -146,9 +138,7 @@ def _contacts(assembly: AnyAssembly, found: MeshesSweep, p: int) -> PairTable:
     sites = {m: site for site, meshes in enumerate(pairing.site_meshes) for m in meshes}
     for m, mesh in enumerate(pairing.meshes):
         pairs, gears = found.meshes[m].pairs, assembly.meshes[m]
-        column, number, slices = pairs.columns_at(p), pairs.slices_at(p), gears.slices
-        # contact lines are inclined by the base helix angle
-        length = slices.width_mm[number] / cosine_base_helix(gears.body_1)
+        column = pairs.columns_at(p)
         own = mesh.in_common_frame(np.column_stack([column["x"], column["y"]]))
         own = own + pairing.axes_mm[mesh.members[0]]
         normal = mesh.in_common_frame(np.column_stack([column["normal_x"], column["normal_y"]]))
@@ -156,17 +146,14 @@ def _contacts(assembly: AnyAssembly, found: MeshesSweep, p: int) -> PairTable:
             {
                 "site": np.full(len(own), sites[m] + 1),
                 "radius_mm": np.hypot(*own.T),
-                "arc_length_1_mm": column["s_1"],
-                "arc_length_2_mm": column["s_2"],
                 "x_mm": own[:, 0],
                 "y_mm": own[:, 1],
                 "normal_x": normal[:, 0],
                 "normal_y": normal[:, 1],
-                "force_N": column["force"],
-                "pressure_MPa": column["force"] / (column["cell"] * length),
-                "gap_um": 1000.0 * column["gap"],
-                "cell_mm": column["cell"],
-                **({} if slices.plane else {"z_mm": slices.z_mm[number]}),
+                # contact lines are inclined by the base helix angle
+                **contact_columns(
+                    column, gears.slices, pairs.slices_at(p), 1.0 / cosine_base_helix(gears.body_1)
+                ),
             }
         )
     return PairTable(**{name: np.concatenate([t[name] for t in tables]) for name in tables[0]})
