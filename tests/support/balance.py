@@ -19,6 +19,8 @@ def imbalance(result: fl.Result) -> float:
     if drive is not None:
         if drive.name == "chain":
             return 0.0
+        if hasattr(drive, "meshes"):
+            return _imbalance_of_meshes(torque, _meshes_of_body_1(drive))
         forces = np.column_stack([result.site_force_N, drive.land_friction_N])
         parts = np.column_stack(
             [forces * result.reference_radius_mm, -torque * np.ones(len(forces))]
@@ -32,6 +34,24 @@ def imbalance(result: fl.Result) -> float:
             _moments(table, side, _twist(result))
             for table, side in zip(tables, (1, -1), strict=False)
         )
+        parts = np.concatenate([[-torque], *moments])
+        size = np.abs(parts).sum()
+        worst = max(worst, abs(parts.sum()) / size if size > 0 else 0.0)
+    return worst
+
+
+def _meshes_of_body_1(drive: Any) -> list[fl.Result]:
+    """Those of the sun, of the driver of an idler, of a wheel, or of both halves of a pinion."""
+    if drive.name == "stage":
+        return list(drive.meshes[: len(drive.meshes) // 2])
+    return list(drive.meshes[: 1 if drive.kind == "idler" else 2])
+
+
+def _imbalance_of_meshes(torque: float, meshes: list[fl.Result]) -> float:
+    """As `imbalance`, of a body in several meshes."""
+    worst = 0.0
+    for p in range(meshes[0].position_rad.size):
+        moments = (_moments(mesh.pair_tables[p], 1, _twist(mesh)) for mesh in meshes)
         parts = np.concatenate([[-torque], *moments])
         size = np.abs(parts).sum()
         worst = max(worst, abs(parts.sum()) / size if size > 0 else 0.0)

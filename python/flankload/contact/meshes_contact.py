@@ -55,9 +55,8 @@ VANISHING = 1e-5
 class Supports(Protocol):
     """How the bodies of a drive are held; `pairing`: its meshes."""
 
-    @property
-    def carrier(self) -> Floats | None:
-        """(n, 6, n, 6) Motions in an elastic carrier of n bodies from the second one on."""
+    def carried(self, pairing: Any) -> range:
+        """Bodies whose supports are coupled, by an elastic carrier or a common shaft."""
 
     def turn_rad(self, pairing: Any) -> float:
         """Angle from the frame of the motions to the common one."""
@@ -111,8 +110,8 @@ class MeshesContact(Generic[PairingT, SupportsT]):
         Whether forces in a mesh deform the bodies in other meshes.
     """
 
-    bodies: tuple[Body, Body, Body]
-    compliances: tuple[BodyCompliance, BodyCompliance, BodyCompliance]
+    bodies: tuple[Body, ...]
+    compliances: tuple[BodyCompliance, ...]
     pairing: PairingT
     meshes: tuple[GearMesh, ...]
     errors: Errors
@@ -189,17 +188,18 @@ class MeshesContact(Generic[PairingT, SupportsT]):
     def _on_springs(self, b: int, record: Floats) -> Floats:
         """The record of a body of the core with its support, if that moves."""
         compliance, axial = self.springs[b, :, b], self.axial_shape(b)
-        tilt, carrier = self.errors.tilt(b), self.supports.carrier
+        tilt, carried = self.errors.tilt(b), self.supports.carried(self.pairing)
         if tilt is not None:
             record = packed_parts(record, [("tilt", np.append(tilt, axial.middle_mm))])
         if not compliance.any():
             return record
         if not axial.plane:
             record = with_shaft(record, compliance, axial.middle_mm)
-            if carrier is not None and 0 < b <= len(carrier):
-                # planets are the bodies from 2 on in the core
-                blocks = self.springs[b, :, 1:-1].transpose(0, 2, 1).ravel(order="F")
-                record = packed_parts(record, [("carrier", np.append(2.0, blocks))])
+            if b in carried:
+                blocks = self.springs[b][:, carried].transpose(0, 2, 1).ravel(order="F")
+                # the core counts bodies from 1
+                first = 1.0 + carried.start
+                record = packed_parts(record, [("carrier", np.append(first, blocks))])
             return record
         support = np.zeros((3, 3))
         support[:2, :2] = compliance[:2, :2]
@@ -360,8 +360,8 @@ def sweep_displaced(
 def _sweep_of(contact: AnyContact, found: MeshStates, t: int, torque_Nmm: float) -> MeshesSweep:
     """States under the torque with this index."""
     pairing, pairs, motions = contact.pairing, found.pairs[t], found.motion[:, t]
-    # on body 1 of each mesh, if all meshes of the first body carry the same
-    share = torque_Nmm / len(pairing.meshes_of(0))
+    # on body 1 of each mesh, if all meshes of the first table carry the same
+    share = torque_Nmm / pairing.paths
     meshes = sweeps_of_meshes(
         found, t, contact.meshes, [share / mesh.rate for mesh in pairing.meshes]
     )
@@ -369,18 +369,20 @@ def _sweep_of(contact: AnyContact, found: MeshStates, t: int, torque_Nmm: float)
     if turn_rad:
         resultants = resultants.copy()
         resultants[..., :2] = turned(resultants[..., :2], turn_rad)
-    places = _places(contact, motions, turn_rad)
-    places[..., :2] += _on_supports(contact, resultants, meshes)
+    places = _places(contact, motions, turn_rad) + _on_supports(contact, resultants, meshes)
     rows = pairing.rows(contact.base_radii_mm)
     radii = [contact.base_radii_mm[pairing.tables[mesh.members[0]]] for mesh in pairing.meshes]
     meshes = with_rotations(meshes, np.einsum("mbk,pbk->pm", rows, places) / radii)
     force = np.stack([meshes[m].site_force_N.sum(axis=1) for m, *_ in pairing.site_meshes], axis=-1)
     peaks = [_largest_peak([meshes[m] for m in of_site]) for of_site in pairing.site_meshes]
     peak, corner = (np.stack(part, axis=-1) for part in zip(*peaks, strict=True))
+    # the rotation on which the torque works
+    parts = np.diff(contact.supports.loads(pairing, np.array([0.0, 1.0])), axis=0)[0]
+    own = np.flatnonzero(parts)
     whole = Sweep(
         torque_Nmm=torque_Nmm,
-        rotation_rad=motions[:, 0],
-        tangent_rad_per_Nmm=found.tangent[:, t, 0, 0],
+        rotation_rad=motions[:, own] @ parts[own],
+        tangent_rad_per_Nmm=parts[own] @ found.tangent[:, t, own][:, :, own] @ parts[own],
         **over_slices((force, peak, corner), plane_slice(1.0)),
         site_force_per_torque=force / (torque_Nmm or 1.0),
         n_pairs=pairs.count,
@@ -411,10 +413,16 @@ def _places(contact: AnyContact, motions: Floats, turn_rad: float) -> Floats:
 
 
 def _on_supports(contact: AnyContact, resultants: Floats, meshes: Sequence[Sweep]) -> Floats:
-    """(P, B, 2) Displacements of the bodies on their supports, mm.
+    """(P, B, 3) Displacements x, y of the bodies on their supports, mm, and rotations.
 
-    Supports with a width also move by moments, which are known if pairs are stored.
+    Supports with a width also move by moments, which are known if pairs are stored. A displacement
+    along the axis moves flanks as a rotation by its negative times their twist.
     """
+    springs = contact.springs
     if contact.meshes[0].slices.plane:
-        return np.einsum("bxcy,pcy->pbx", contact.springs[:, :2, :, :2], resultants[..., :2])
-    return np.einsum("bxcy,pcy->pbx", contact.springs[:, :2], wrenches_of(contact, meshes))
+        moved = np.einsum("bxcy,pcy->pbx", springs[:, :3, :, :2], resultants[..., :2])
+    else:
+        moved = np.einsum("bxcy,pcy->pbx", springs[:, :3], wrenches_of(contact, meshes))
+    twists = [contact.axial_shape(b).twist_rad_per_mm for b in range(len(springs))]
+    moved[..., 2] *= -np.array(twists)
+    return moved

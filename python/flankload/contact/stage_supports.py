@@ -51,6 +51,10 @@ class StageSupports:
     tilt_Nmm_per_rad: tuple[Pair, Pair, Pair] = (None, None, None)
     carrier: Floats | None = None
 
+    def carried(self, pairing: StagePairing) -> range:
+        """The planets on an elastic carrier."""
+        return range(1, 1 + (0 if self.carrier is None else len(self.carrier)))
+
     def turn_rad(self, pairing: StagePairing) -> float:
         """Angle from the frame of the motions to that of the carrier: none."""
         return 0.0

@@ -94,7 +94,7 @@ class PlacedMeshes:
 
     meshes: tuple[PlacedMesh, ...]
     axes_mm: Floats
-    teeth: tuple[int, int, int]
+    teeth: tuple[int, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -111,6 +111,12 @@ class PlacedMeshes:
     def site_meshes(self) -> tuple[tuple[int, ...], ...]:
         """Meshes of each site of a result, whose force is that in the first one."""
         return tuple((m,) for m in range(len(self.meshes)))
+
+    @property
+    def paths(self) -> int:
+        """Number of meshes that share the torque: those of the first table."""
+        first = [b for b, table in enumerate(self.tables) if table == 0]
+        return sum(len(self.meshes_of(b)) for b in first)
 
     @property
     def pitch_rad(self) -> float:

@@ -163,7 +163,7 @@ def orbit_orders(count: int, sun_teeth: int, highest: int) -> tuple[int, ...]:
     return tuple(sorted(found, key=abs))
 
 
-def repeating_pitches(bodies: tuple[Body, Body, Body], run_outs: tuple[bool, bool]) -> int:
+def repeating_pitches(bodies: tuple[Body, ...], run_outs: tuple[bool, bool]) -> int:
     """Tooth pitches of the sun after which everything repeats.
 
     `bodies`: sun, planet, ring; `run_outs`: whether sun and ring have a run-out.
@@ -174,7 +174,7 @@ def repeating_pitches(bodies: tuple[Body, Body, Body], run_outs: tuple[bool, boo
 
 
 def stage_pairing(
-    bodies: tuple[Body, Body, Body],
+    bodies: tuple[Body, ...],
     places: Sequence[int],
     first_rad: float,
     center_distance_mm: float,

@@ -1,4 +1,4 @@
-"""Both gear meshes of a train of three external gears, and their phases.
+"""Both gear meshes of a train of external gears, and their phases.
 
 The axis of body 1 is at the origin of the common frame, that of its mate in the first mesh on the
 positive x axis. Body 1 turns counter-clockwise.
@@ -7,10 +7,15 @@ Two pinions on a wheel are two pairs in frames turned by their polar angles. The
 idler clockwise, so that its coast flanks drive body 2: their mesh is a pair in the mirror image, in
 which they turn counter-clockwise. Its frame is at the idler, with the axis of body 2 on its
 positive x axis and the sign of y reversed.
+
+The halves of double helical gears are two pairs in one frame. The half of smaller z is described in
+the mirror image about the middle of the groove, in which its helix has the hand of the other half:
+both are alike, and z increases away from the groove in each.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, radians
 from typing import TYPE_CHECKING
 
@@ -26,6 +31,7 @@ from flankload.pairing.placed_mesh import (
     named_warnings,
     paired,
 )
+from flankload.pairing.slices import reached_positions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,13 +44,31 @@ NAMES = ("body_1", "body_2", "body_3")
 
 
 class TrainPairing(PlacedMeshes):
-    """Both gear meshes of a train."""
+    """Both gear meshes of a train.
+
+    Bodies of double helical gears are both halves of the pinion, then those of the wheel.
+    """
+
+    @property
+    def tables(self) -> tuple[int, ...]:
+        """(B,) Number of the table of each body, from 0; halves share one."""
+        halves = len(self.axes_mm) // len(self.teeth)
+        return tuple(table for table in range(len(self.teeth)) for _ in range(halves))
+
+    @property
+    def is_double_helical(self) -> bool:
+        """Whether both meshes are the halves of one pair."""
+        return len(self.axes_mm) > len(self.teeth)
+
+    def title(self, m: int) -> str:
+        """Words for a mesh."""
+        return f"half {m + 1}" if self.is_double_helical else super().title(m)
 
     @property
     def common(self) -> int:
-        """Number of the gear in both meshes, from 0."""
+        """Number of the gear in both meshes, from 0; of double helical gears the pinion's half."""
         one, two = (mesh.members for mesh in self.meshes)
-        return next(body for body in one if body in two)
+        return next((body for body in one if body in two), 0)
 
     @property
     def is_idler(self) -> bool:
@@ -58,7 +82,7 @@ def repeating_pitches(bodies: Sequence[Body]) -> int:
 
 
 def idler_pairing(
-    bodies: tuple[Body, Body, Body],
+    bodies: tuple[Body, ...],
     angle_deg: float,
     distances_mm: tuple[float, float],
     position_rad: Floats,
@@ -92,9 +116,11 @@ def idler_pairing(
     # half a pitch is no decision: phases are above -1/2, at most 1/2
     back = -int(round_up(base - 0.5))
     offset = (base + back) * two.pitch_rad
-    first = MeshPlace((driver, idler), (0, 0), (1, -1), (-1, 1)).of(one, position_rad)
+    reached = reached_positions(position_rad, driver)
+    first = MeshPlace((driver, idler), (0, 0), (1, -1), (-1, 1)).of(one, reached)
     place = MeshPlace((idler, driven), (-back, 0), (-1, 1), (0, 1))
-    second = place.of(two, offset + rate * position_rad)
+    image = replace(idler, axial=idler.axial.in_mirror_image())
+    second = place.of(two, reached_positions(offset + rate * position_rad, image))
     centers = np.array([[0.0, 0.0], [distances_mm[0], 0.0], [distances_mm[0], 0.0]])
     centers[1] += distances_mm[1] * directions(np.array([frame]))[0]
     return TrainPairing(
@@ -112,7 +138,7 @@ def idler_pairing(
 
 
 def two_pinions_pairing(
-    bodies: tuple[Body, Body, Body],
+    bodies: tuple[Body, ...],
     angle_deg: float,
     distances_mm: tuple[float, float],
     position_rad: Floats,
@@ -131,7 +157,7 @@ def two_pinions_pairing(
         tooth = round((part + wheel.teeth * angle) / 360.0)
         offset = part / 360.0 * pair.pitch_rad
         place = MeshPlace((wheel, pinion), (tooth, 0), (1, -1), (-1, 1))
-        placed = place.of(pair, offset + position_rad)
+        placed = place.of(pair, reached_positions(offset + position_rad, wheel))
         meshes.append(PlacedMesh(own, placed, offset, 1.0, radians(angle), 1, (0, k + 1)))
         warnings += named_warnings(pair, own, f"bodies 1 and {own[1][-1]}")
     centers = np.zeros((3, 2))
@@ -142,4 +168,25 @@ def two_pinions_pairing(
         axes_mm=centers,
         teeth=(wheel.teeth, pinions[0].teeth, pinions[1].teeth),
         warnings=tuple(warnings),
+    )
+
+
+def double_helical_pairing(
+    bodies: tuple[Body, ...],
+    angle_deg: float,
+    distances_mm: tuple[float, float],
+    position_rad: Floats,
+) -> TrainPairing:
+    """Both halves of body 1 drive those of body 2; parameters as of `idler_pairing`."""
+    pinion, wheel = bodies
+    names, distance = ("body_1", "body_2"), distances_mm[0]
+    pair = paired(names, (pinion, wheel), distance)
+    place = MeshPlace((pinion, wheel), (0, 0), (1, -1), (-1, 1))
+    placed = place.of(pair, reached_positions(position_rad, pinion))
+    halves = ((0, 2), (1, 3))
+    return TrainPairing(
+        meshes=tuple(PlacedMesh(names, placed, 0.0, 1.0, 0.0, 1, members) for members in halves),
+        axes_mm=np.outer([0.0, 0.0, distance, distance], [1.0, 0.0]),
+        teeth=(pinion.teeth, wheel.teeth),
+        warnings=named_warnings(pair, names, "bodies 1 and 2"),
     )

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from flankload.plot.picture import Results
     from flankload.result import Result
-    from flankload.result.train import TrainLoads
+    from flankload.result.train import TwoMeshes
 
 #: Size of a drawing, inches.
 DRAWING = (6.4, 5.0)
@@ -27,7 +27,7 @@ LONGEST = 0.22
 BESIDE = 0.01
 
 
-def _train(result: Result) -> TrainLoads:
+def _train(result: Result) -> TwoMeshes:
     assert result.train is not None
     return result.train
 
@@ -85,6 +85,6 @@ def plot_gear_train(results: Results, position: int | None = None) -> Figure:
     """Figure of the gears of a train with forces."""
     result, p = _at_largest(results, position)
     force = _train(result).common_force_N[p]
-    title = f"bearings of body {_train(result).common}: {force:.5g} N"
+    title = f"bearings of body {_train(result).common_gear}: {force:.5g} N"
     title += f" at {result.position_deg[p]:.4g}°"
     return figure_of(draw_gear_train, result, title, size=DRAWING, position=p)

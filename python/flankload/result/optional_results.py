@@ -19,7 +19,7 @@ from flankload.result.root_stress import RootReading, RootStress, root_stress
 from flankload.result.slices import PlaneLoads, SliceLoads
 from flankload.result.stage import StageLoads
 from flankload.result.torque_axis import per_torque
-from flankload.result.train import TrainLoads
+from flankload.result.train import DoubleHelicalLoads, TrainLoads, TwoMeshes
 
 #: Arrays over positions and sites that only results with coast flanks have, with their units.
 OVER_COAST_SITES = {"coast_force_N": "N", "coast_peak_pressure_MPa": "MPa"}
@@ -89,7 +89,7 @@ class EffectResults(LoadedPositions):
 
     friction: FrictionResult | None = None
     root_readings: tuple[RootReading | None, RootReading | None] = (None, None)
-    drive: ChainDrive | BeltDrive | StageLoads | TrainLoads | None = None
+    drive: ChainDrive | BeltDrive | StageLoads | TwoMeshes | None = None
     coast: CoastContact | None = None
     slices: SliceLoads | None = None
     shafts: ShaftLoads | None = None
@@ -110,13 +110,13 @@ class EffectResults(LoadedPositions):
         return self.drive if isinstance(self.drive, StageLoads) else None
 
     @per_torque
-    def train(self) -> TrainLoads | None:
-        """Loads of a gear train; None without one."""
-        return self.drive if isinstance(self.drive, TrainLoads) else None
+    def train(self) -> TrainLoads | DoubleHelicalLoads | None:
+        """Loads of a gear train, or of double helical gears; None without one."""
+        return self.drive if isinstance(self.drive, TrainLoads | DoubleHelicalLoads) else None
 
     @per_torque
     def bearing_force_N(self) -> Floats | None:
-        """(P, 3, 2) Force of each body of a train on its bearings; None without a train."""
+        """(P, B, 2) Force of each body of a train on its bearings; None without a train."""
         return None if self.train is None else self.train.bearing_force_N
 
     @per_torque

@@ -89,7 +89,7 @@ class StageLoads(Drive):
         Results of the meshes with the sun, then those with the ring.
     """
 
-    teeth: tuple[int, int, int]
+    teeth: tuple[int, ...]
     center_distance_mm: float
     planet_angles_rad: Floats
     phases: Floats

@@ -390,7 +390,8 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
             )
         body.check_solid(name, why)
     assert asked.pair is not None
-    for names in pairwise(bodies):  # in a stage the planets meet both
+    # in a stage the planets meet both
+    for names in pairwise(bodies) if asked.train is None else asked.train.meshes:
         _check_pair(bodies[names[0]], bodies[names[1]], asked.pair.face_width_mm, names)
     _check_effects(asked, given.get("effects", {}), why)
     degree = accuracy.axial_degree or AXIAL_DEGREE

@@ -112,7 +112,7 @@ def with_pair_geometry(asked: SceneFile) -> SceneFile:
             asked = structs.replace(
                 asked, pair=structs.replace(asked.pair, center_distance_mm=distance)
             )
-    if asked.train is not None and asked.train.center_distance_2_mm is None:
+    if asked.train is not None and asked.train.lacks_distance:
         one, two = (flanks[name] for name in _mates(asked)[1])
         if one is not None and two is not None:
             apart = {"center_distance_2_mm": _distance(one, two, None)}
@@ -139,8 +139,8 @@ def derived_keys(asked: SceneFile, given: Mapping[str, Any]) -> frozenset[str]:
     if asked.pair is not None:
         paths = {WIDTH} if asked.pair.center_distance_mm is None else {WIDTH, DISTANCE}
         found |= paths - {f"pair.{name}" for name in given.get("pair", {})}
-    if asked.train is not None and "center_distance_2_mm" not in given["train"]:
-        found.add(DISTANCE_2)
+    if asked.train is not None and asked.train.center_distance_2_mm is not None:
+        found |= {DISTANCE_2} - {f"train.{name}" for name in given["train"]}
     return frozenset(found)
 
 
@@ -270,7 +270,7 @@ def _roll_at_change(asked: SceneFile, name: str, key: str, extent: str, *, at_ti
     assert asked.pair is not None
     distance = asked.pair.center_distance_mm
     if asked.train is not None and mates == asked.train.meshes[1]:
-        distance = asked.train.center_distance_2_mm
+        distance = asked.train.center_distance_2_mm or distance
     assert distance is not None
     radii, sense = _base_radii(one, two), two.teeth.outward
     least = abs(radii[0] + sense * radii[1])

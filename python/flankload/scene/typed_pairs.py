@@ -215,11 +215,10 @@ class TrainKeys(AsScene, Table, frozen=True, kw_only=True):
     )
 
     torque_Nm: TorqueOrTorques
-    angle_deg: float = 180.0
     center_distance_mm: float | None = None
     normal_backlash_um: float | None = None
-    center_distance_2_mm: float | None = None
     bearing_stiffness_N_per_um: float | None = None
+    bearing_tilt_stiffness_Nm_per_mrad: float | None = None
     face_width_mm: float | None = None
     name: str | None = None
     positions: Positions | Mapping[str, Any] | None = None
@@ -242,6 +241,8 @@ class IdlerTrain(TrainKeys, frozen=True):
     driver: Gear
     idler: Gear
     driven: Gear
+    angle_deg: float = 180.0
+    center_distance_2_mm: float | None = None
 
     def _keys(self) -> dict[str, Any]:
         bodies = {"body_1": self.driver, "body_3": self.idler, "body_2": self.driven}
@@ -264,10 +265,47 @@ class TwoPinions(TrainKeys, frozen=True):
     second_pinion: Gear
     floating: bool = False
     timing_error_um: float = 0.0
+    angle_deg: float = 180.0
+    center_distance_2_mm: float | None = None
 
     def _keys(self) -> dict[str, Any]:
         bodies = {"body_1": self.wheel, "body_2": self.pinion, "body_3": self.second_pinion}
         return {**super()._keys(), "kind": "two_pinions", **bodies}
+
+
+class DoubleHelicalPair(TrainKeys, frozen=True):
+    """A double helical pinion, which carries the torque, on its wheel, with the keys of [train].
+
+    Bodies are those of the halves of larger z; the others are their mirror images.
+
+    Examples
+    --------
+    >>> helix = {"module_mm": 3, "helix_angle_deg": 25}
+    >>> pinion = fl.Gear(teeth=25, hand="right", tip_diameter_mm=88.1, bore_diameter_mm=35, **helix)
+    >>> wheel = fl.Gear(teeth=50, hand="left", tip_diameter_mm=170.9, bore_diameter_mm=70, **helix)
+    >>> pair = fl.DoubleHelicalPair(
+    ...     pinion,
+    ...     wheel,
+    ...     groove_width_mm=15,
+    ...     face_width_mm=12,
+    ...     torque_Nm=500,
+    ... )
+    >>> result = fl.solve(pair)
+    """
+
+    bodies: ClassVar[tuple[str, ...]] = ("body_1", "body_2")
+
+    pinion: Gear
+    wheel: Gear
+    groove_width_mm: float
+    axial_stiffness_N_per_um: float | None = None
+    timing_error_um: float = 0.0
+    inclination_um_per_mm: float = 0.0
+    deviation_um_per_mm: float = 0.0
+
+    def _keys(self) -> dict[str, Any]:
+        bodies = {"body_1": self.pinion, "body_2": self.wheel}
+        return {**super()._keys(), "kind": "double_helical", **bodies}
 
 
 class ChainAndSprocket(Drive, frozen=True):

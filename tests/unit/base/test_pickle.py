@@ -77,6 +77,11 @@ def tables() -> dict[str, Any]:
     found["PlanetaryStage"] = fl.PlanetaryStage(*stage, planets=3, torque_Nm=10)
     for train in (fl.IdlerTrain, fl.TwoPinions):
         found[train.__name__] = train(*[found["Gear"]] * 3, face_width_mm=20, torque_Nm=10)
+    keys = {"helix_angle_deg": 15, "tip_diameter_mm": 66, "bore_diameter_mm": 25}
+    helices = [fl.Gear(teeth=20, module_mm=3, hand=hand, **keys) for hand in ("right", "left")]
+    found["DoubleHelicalPair"] = fl.DoubleHelicalPair(
+        *helices, groove_width_mm=10, face_width_mm=20, torque_Nm=10
+    )
     profiles = (getattr(body, "profile", None) for body in bodies)
     return {
         **found,

@@ -7,7 +7,10 @@ import pytest
 import flankload as fl
 from tests.support.planetary_stages import gear
 
-KINDS = {"idler": (20, 33, 27), "two_pinions": (60, 20, 20)}
+KINDS = {"idler": (20, 33, 27), "two_pinions": (60, 20, 20), "double_helical": (20, 33)}
+#: Keys of helices.
+RIGHT, LEFT = ({"helix_angle_deg": 15, "hand": hand} for hand in ("right", "left"))
+HELICES = {"body_1": RIGHT, "body_2": LEFT, "body_3": None}
 
 
 def scene_of(kind: str, **changes: Any) -> fl.Scene:
@@ -80,8 +83,42 @@ def test_a_long_relief_of_body_2_refers_to_its_own_mesh():
         ),
         (
             "idler",
-            {"body_3": {"lead_crowning_um": 5}},
-            "body_3.lead_crowning_um: expected nothing with [train]: this version has plane trains",
+            {"body_1": RIGHT, "body_3": LEFT, "body_2": LEFT},
+            "body_2.hand: expected 'right', the opposite of body_3.hand, found 'left'",
+        ),
+        (
+            "two_pinions",
+            {"pair": {"deviation_um_per_mm": 0.1}},
+            "pair.deviation_um_per_mm: expected nothing with this [train], which has several axes",
+        ),
+        (
+            "idler",
+            {"train": {"groove_width_mm": 10}},
+            "train.groove_width_mm: expected nothing with train.kind = 'idler', found 10",
+        ),
+        (
+            "double_helical",
+            HELICES,
+            "train.groove_width_mm: expected a value with train.kind = 'double_helical'",
+        ),
+        (
+            "double_helical",
+            {"train": {"groove_width_mm": 10}},
+            "body_1.helix_angle_deg: expected a number > 0 with train.kind = 'double_helical'",
+        ),
+        (
+            "double_helical",
+            {
+                **HELICES,
+                "body_1": {**RIGHT, "axial_offset_mm": 1},
+                "train": {"groove_width_mm": 10},
+            },
+            "body_1.axial_offset_mm: expected 0 with train.kind = 'double_helical'",
+        ),
+        (
+            "double_helical",
+            {"body_3": gear(20, 3, 1.8, 20)},
+            "body_3: expected nothing with train.kind = 'double_helical', found a table",
         ),
         (
             "idler",

@@ -9,9 +9,18 @@ import pytest
 
 import flankload as fl
 from flankload.scene import scene_of
+from flankload.scene.axial import MISALIGNMENTS
 from flankload.scene.form import fields_of
 from flankload.scene.scene import SceneFile
-from flankload.scene.typed_pairs import Drive, FlankPair, IdlerTrain, StageKeys, TwoPinions
+from flankload.scene.train import WITHOUT_IN_KIND
+from flankload.scene.typed_pairs import (
+    DoubleHelicalPair,
+    Drive,
+    FlankPair,
+    IdlerTrain,
+    StageKeys,
+    TwoPinions,
+)
 from tests.support.paths import SCENES
 
 TABLES: dict[str, Any] = {
@@ -50,6 +59,13 @@ def gear_pair(**changes: Any) -> fl.GearPair:
     return fl.GearPair(fl.Gear(**PINION), fl.Gear(**WHEEL), **{**PAIR, **changes})
 
 
+TRAINS = {
+    "idler": IdlerTrain,
+    "two_pinions": TwoPinions,
+    "double_helical": DoubleHelicalPair,
+}
+
+
 @pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
 def test_objects_make_the_scene_of_the_file(path: Path) -> None:
     tree = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -60,9 +76,9 @@ def test_objects_make_the_scene_of_the_file(path: Path) -> None:
     names = [name for name in ("body_1", "planet", "body_2") if name in tree]
     train = dict(tree.get("train", {}))
     if train:
-        idler = train.pop("kind") == "idler"
-        kind = fl.IdlerTrain if idler else fl.TwoPinions
-        names.insert(1 if idler else 2, "body_3")
+        kind = TRAINS[train.pop("kind")]
+        if "body_3" in tree:
+            names.insert(1 if kind is IdlerTrain else 2, "body_3")
     pair = kind(
         *(body(tree[name]) for name in names),
         name=tree.get("name"),
@@ -121,12 +137,13 @@ def test_typed_pairs_have_each_key_of_the_tables() -> None:
         (StageKeys, "stage", set()),
         (IdlerTrain, "train", {"driver", "idler", "driven"}),
         (TwoPinions, "train", {"wheel", "pinion", "second_pinion"}),
+        (DoubleHelicalPair, "train", {"pinion", "wheel", *MISALIGNMENTS[:2]}),
     ):
         table = fields_of(SceneFile)[name].type
         (part,) = (part for part in get_args(get_args(table)[0]) if part is not type(None))
         own = set(part.__struct_fields__) - {"kind"}
-        if typed is IdlerTrain:
-            own -= {"floating", "timing_error_um"}  # which it refuses
+        kind = next((name for name, one in TRAINS.items() if one is typed), None)
+        own -= {*WITHOUT_IN_KIND.get(kind, ())}  # which it refuses
         assert set(typed.__struct_fields__) == tables | own | distance | bodies
 
 

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from flankload.scene.discretization import Discretization
     from flankload.scene.effects import Effects
 
-    Bodies = tuple[Body, Body, Body]
-    Compliances = tuple[BodyCompliance, BodyCompliance, BodyCompliance]
+    Bodies = tuple[Body, ...]
+    Compliances = tuple[BodyCompliance, ...]
 
 ErrorsT = TypeVar("ErrorsT", bound=Errors)
 #: Largest number of positions of a scene.
@@ -42,9 +42,9 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
 
     Attributes
     ----------
-    bodies : Body, Body, Body
+    bodies : tuple of Body
         By their tables, `names`.
-    jobs : three BodyJob
+    jobs : tuple of BodyJob
     pairing : PlacedMeshes
     errors : Errors
     supports : Supports
@@ -61,7 +61,7 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
     """
 
     bodies: Bodies
-    jobs: tuple[BodyJob, BodyJob, BodyJob]
+    jobs: tuple[BodyJob, ...]
     pairing: PairingT
     errors: ErrorsT
     supports: SupportsT
@@ -73,7 +73,12 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
     period_pitches: int
     notes: tuple[str, ...]
 
-    names: ClassVar[tuple[str, str, str]]
+    all_names: ClassVar[tuple[str, ...]]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Tables of the bodies."""
+        return self.all_names[: len(self.bodies)]
 
     @cached_property
     def meshes(self) -> tuple[GearMesh, ...]:
@@ -132,18 +137,16 @@ def bodies_of_meshes(
     scene: Scene,
     discretization: Discretization,
     effects: Effects,
-    names: tuple[str, str, str],
+    names: tuple[str, ...],
     parts: Parts | None,
     *,
     modified_elements: bool,
 ) -> Bodies:
-    """The bodies of three tables."""
-    one, two, three = bodies_of(
+    """The bodies of these tables."""
+    bodies = bodies_of(
         scene, discretization, names, parts=parts, modified_elements=modified_elements
     )
-    if effects.tip_contact:
-        return one, two, three
-    return without_ends(one), without_ends(two), without_ends(three)
+    return bodies if effects.tip_contact else tuple(without_ends(body) for body in bodies)
 
 
 def positions_of_meshes(scene: Scene, teeth: int, period: int) -> tuple[Floats, int | None]:
@@ -163,7 +166,7 @@ def positions_of_meshes(scene: Scene, teeth: int, period: int) -> tuple[Floats, 
 
 
 def notes_of_meshes(
-    scene: Scene, names: tuple[str, str, str], bodies: Bodies, warnings: tuple[str, ...]
+    scene: Scene, names: tuple[str, ...], bodies: Bodies, warnings: tuple[str, ...]
 ) -> list[str]:
     """Remarks for the user on questions, bodies and meshes."""
     notes = [*question_notes(scene)]

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from flankload.mechanisms.several.assembly import Compliances
     from flankload.mechanisms.several.states import AnyAssembly
     from flankload.result.stage import StageLoads
-    from flankload.result.train import TrainLoads
+    from flankload.result.train import TwoMeshes
     from flankload.scene import Scene
 
 
@@ -101,7 +101,7 @@ def result_of_meshes(
     compliances: Compliances,
     found: MeshesSweep,
     estimate: Mapping[str, object] | None,
-    drive: StageLoads | TrainLoads,
+    drive: StageLoads | TwoMeshes,
 ) -> Result:
     """Result of a torque; `drive`: its quantities that only this kind of drive has."""
     pairing, whole = assembly.pairing, found.whole

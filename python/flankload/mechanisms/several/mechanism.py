@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 
 
 class SeveralMeshes(Generic[AssemblyT]):
-    """Bodies of three tables in several gear meshes.
+    """Bodies in several gear meshes.
 
     Subclasses have `body_names`, `build`, `broken_by_geometry`, `results`, `describe`,
     `data_sheet` and `fields_of_bodies`.
     """
 
-    body_names: tuple[str, str, str]
+    body_names: tuple[str, ...]
     build: Callable[..., AssemblyT]
     compliances: Callable[..., tuple[AssemblyT, Compliances]] = staticmethod(compliances_of)
     no_flanks_reason: str | None = None
@@ -55,11 +55,12 @@ class SeveralMeshes(Generic[AssemblyT]):
         assembly = self.build(scene)
         turns, tables = assembly.pairing.body_angles(np.zeros(1))[0], assembly.pairing.tables
         own = [float(turns[tables.index(z)]) for z in range(len(assembly.bodies))]
-        yield from files_of_meshes(self.body_names, assembly.bodies, own)
+        yield from files_of_meshes(assembly.names, assembly.bodies, own)
 
     def compliance_files(self, scene: Scene) -> Iterator[ComplianceFile]:
         """Compliances of the tables."""
-        yield from files_of_compliances(scene, self.body_names, self.build(scene).bodies)
+        assembly = self.build(scene)
+        yield from files_of_compliances(scene, assembly.names, assembly.bodies)
 
     def record_files(self, scene: Scene) -> Mapping[str, Floats]:
         """Records of all bodies and meshes, and their motions."""

@@ -72,8 +72,7 @@ def compliances_of(
     parts: Parts | None = None,
 ) -> tuple[AssemblyT, Compliances]:
     """Solve one finite-element job for each elastic table: planets are equal."""
-    one, two, three = solve_bodies(scene, assembly, clock, kept, parts)
-    return assembly, (one, two, three)
+    return assembly, solve_bodies(scene, assembly, clock, kept, parts)
 
 
 def states_of_meshes(

@@ -51,7 +51,7 @@ NAMES = ("body_1", "planet", "body_2")
 class StageAssembly(MeshesAssembly[StagePairing, StageSupports, StageErrors]):
     """A planetary stage with the options of a run."""
 
-    names = NAMES
+    all_names = NAMES
 
 
 def assemble(
@@ -107,7 +107,7 @@ def assemble(
 
 
 def _jobs(
-    bodies: tuple[Body, Body, Body], stage: Stage, effects: Effects
+    bodies: tuple[Body, ...], stage: Stage, effects: Effects
 ) -> tuple[BodyJob, BodyJob, BodyJob]:
     """Purposes of the elements of sun, planet and ring."""
     elastic = [not body.rigid for body in bodies]
@@ -130,7 +130,7 @@ def _held(scene: Scene) -> Scene:
     return replace(scene, body_2=structs.replace(scene.body_2, rim="torque"))
 
 
-def _slices(scene: Scene, bodies: tuple[Body, Body, Body]) -> tuple[Slices, Slices]:
+def _slices(scene: Scene, bodies: tuple[Body, ...]) -> tuple[Slices, Slices]:
     """Slices of both kinds of mesh; the only one of a plane stage."""
     if bodies[0].axial.plane:
         only = plane_slice(scene.pair.face_width_mm)
@@ -213,7 +213,7 @@ def _supports(scene: Scene, stage: Stage, pairing: StagePairing) -> StageSupport
 
 def _notes(
     scene: Scene,
-    bodies: tuple[Body, Body, Body],
+    bodies: tuple[Body, ...],
     pairing: StagePairing,
     pitches: int | None,
     period: int,

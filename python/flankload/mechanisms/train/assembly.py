@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from flankload.contact.train_supports import TrainErrors, TrainSupports
 from flankload.errors import SceneError
 from flankload.mechanisms.scene_bodies import with_file_of
@@ -16,10 +18,11 @@ from flankload.mechanisms.several.assembly import (
     positions_of_meshes,
 )
 from flankload.pairing.body_pair import BodyJob
-from flankload.pairing.slices import plane_slice
+from flankload.pairing.slices import Slices, gap_by_misalignment, plane_slice, slices_of
 from flankload.pairing.train import (
     NAMES,
     TrainPairing,
+    double_helical_pairing,
     idler_pairing,
     repeating_pitches,
     two_pinions_pairing,
@@ -30,20 +33,22 @@ from flankload.scene.effects import effects_of
 if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.cost import Account
-    from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.reuse import Parts
     from flankload.scene import Scene
+    from flankload.scene.train import Train
 
-    Compliances = tuple[BodyCompliance, BodyCompliance, BodyCompliance]
-
-PAIRINGS = {"idler": idler_pairing, "two_pinions": two_pinions_pairing}
+PAIRINGS = {
+    "idler": idler_pairing,
+    "two_pinions": two_pinions_pairing,
+    "double_helical": double_helical_pairing,
+}
 
 
 @dataclass(frozen=True)
 class TrainAssembly(MeshesAssembly[TrainPairing, TrainSupports, TrainErrors]):
     """A gear train with the options of a run."""
 
-    names = NAMES
+    all_names = NAMES
 
 
 def assemble(
@@ -65,29 +70,33 @@ def assemble(
     assert train is not None
     discretization, effects = discretization or choose_discretization(scene), effects_of(scene)
     try:
+        names = tuple(name for name in NAMES if getattr(scene, name) is not None)
         bodies = bodies_of_meshes(
-            scene, discretization, effects, NAMES, parts, modified_elements=modified_elements
+            scene, discretization, effects, names, parts, modified_elements=modified_elements
         )
         period = repeating_pitches(bodies)
         position_rad, pitches = positions_of_meshes(scene, bodies[0].teeth, period)
-        distances = scene.pair.axes_apart_mm, train.center_distance_2_mm
-        assert distances[1] is not None
-        pairing = PAIRINGS[train.kind](
-            bodies, train.angle_deg, (distances[0], distances[1]), position_rad
-        )
+        distance = scene.pair.axes_apart_mm
+        distances = distance, train.center_distance_2_mm or distance
+        pairing = PAIRINGS[train.kind](bodies, train.angle_deg, distances, position_rad)
     except SceneError as error:
         raise with_file_of(scene, error) from None
-    idler = [train.kind == "idler" and name == "body_3" for name in NAMES]
-    jobs = [
-        BodyJob(not body.rigid, coast_flanks=both) for body, both in zip(bodies, idler, strict=True)
-    ]
+    # in the plane, the coast flanks of a driven gear are the working flanks of its mirror image
+    plane, opening = bodies[0].axial.plane, _opening(scene, pairing)
+    on_coast = ("body_3",) if plane else ("body_3", "body_2")
+    slices = _slices(scene, bodies, pairing, opening)
+    arm_mm = 0.5 * ((train.groove_width_mm or 0.0) + float(slices[0].width_mm.sum()))
+    free = train.is_double_helical and train.axial_stiffness_N_per_um is None
     return TrainAssembly(
         bodies=bodies,
-        jobs=(jobs[0], jobs[1], jobs[2]),
+        jobs=tuple(
+            BodyJob(not body.rigid, coast_flanks=train.kind == "idler" and name in on_coast)
+            for name, body in zip(names, bodies, strict=True)
+        ),
         pairing=pairing,
-        errors=TrainErrors(train.timing_error_um / 1000.0 / (bodies[2].base_radius_mm or 1.0)),
-        supports=TrainSupports(train.bearing_N_per_mm, train.floating),
-        slices=(plane_slice(scene.pair.face_width_mm),) * len(pairing.meshes),
+        errors=_errors(train, bodies, pairing, opening * arm_mm),
+        supports=TrainSupports(**train.stiffnesses, floating=train.floating or free, arm_mm=arm_mm),
+        slices=slices,
         discretization=discretization,
         effects=effects,
         position_rad=position_rad,
@@ -97,15 +106,61 @@ def assemble(
     )
 
 
+def _errors(
+    train: Train, bodies: tuple[Body, ...], pairing: TrainPairing, apart_mm: float
+) -> TrainErrors:
+    """Rotation of the second pinion, or of the halves of a double helical one.
+
+    `apart_mm`: gap of the half of larger z by a misalignment, which closes the other one.
+    """
+    turned = np.zeros(len(pairing.tables))
+    turned[1 if train.is_double_helical else 2] = train.timing_error_um / 1000.0
+    if train.is_double_helical:
+        turned[:2] += apart_mm * np.array([-1.0, 1.0])
+    return TrainErrors(turned / [bodies[table].base_radius_mm or 1.0 for table in pairing.tables])
+
+
+def _opening(scene: Scene, pairing: TrainPairing) -> float:
+    """Growth of the gap along z by a misalignment of double helical gears."""
+    gears = pairing.meshes[0].pairing.gear_geometry
+    assert gears is not None
+    angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
+    return gap_by_misalignment(*angles, gears.pressure_angle_rad)
+
+
+def _slices(
+    scene: Scene, bodies: tuple[Body, ...], pairing: TrainPairing, opening: float
+) -> tuple[Slices, ...]:
+    """Slices of both meshes; the only one of a plane train."""
+    if bodies[0].axial.plane:
+        return (plane_slice(scene.pair.face_width_mm),) * len(pairing.meshes)
+    found = []
+    for m, mesh in enumerate(pairing.meshes):
+        one, two = (bodies[pairing.tables[b]].axial for b in mesh.members)
+        if pairing.is_image(m):
+            one, two = one.in_mirror_image(), two.in_mirror_image()
+        found.append(
+            slices_of(
+                (one, two),
+                scene.accuracy.slices,
+                # z of half 2 of double helical gears counts in the other direction
+                (-opening if m else opening, 0.0),
+                graded=scene.effects.contact == "pairs",
+                line_load_mm=scene.accuracy.line_load_length_mm,
+            )
+        )
+    return tuple(found)
+
+
 def _notes(
     scene: Scene,
-    bodies: tuple[Body, Body, Body],
+    bodies: tuple[Body, ...],
     pairing: TrainPairing,
     pitches: int | None,
     period: int,
 ) -> tuple[str, ...]:
     """Remarks for the user."""
-    notes = notes_of_meshes(scene, NAMES, bodies, pairing.warnings)
+    notes = notes_of_meshes(scene, NAMES[: len(bodies)], bodies, pairing.warnings)
     notes += note_of_period(pitches, period, "pitch errors", "body 1")
     if pairing.is_idler and any(bodies[2].pitch_errors_um):
         notes.append("body_3.pitch_errors_um apply to the flanks in mesh with body 1")

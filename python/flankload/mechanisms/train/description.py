@@ -18,12 +18,14 @@ from flankload.pairing.gear_pair import describe_gears
 
 if TYPE_CHECKING:
     from flankload.mechanisms.protocol import Rows
+    from flankload.pairing.placed_mesh import PlacedMesh
     from flankload.scene import Scene
 
 #: Roles of the bodies by the kind of train.
 ROLES = {
     "idler": ("driver", "driven", "idler"),
     "two_pinions": ("wheel", "pinion", "second pinion"),
+    "double_helical": ("pinion", "wheel"),
 }
 
 
@@ -34,11 +36,10 @@ def describe(scene: Scene) -> Description:
     roles = ROLES[scene.train.kind]
     rows = {
         f"{name}: {role}": rows_of_body(body, getattr(scene, name))
-        for name, role, body in zip(NAMES, roles, assembly.bodies, strict=True)
+        for name, role, body in zip(assembly.names, roles, assembly.bodies, strict=True)
     }
-    for mesh in assembly.pairing.meshes:
+    for title, mesh in _meshes(assembly):
         gears = mesh.pairing.gear_geometry
-        title = " and ".join(mesh.names)
         rows[title] = list(describe_gears(gears)) if gears is not None else []
     rows["train"] = _rows_of_train(scene, assembly)
     broken = require_premises(scene, broken_by_geometry(assembly))
@@ -48,6 +49,15 @@ def describe(scene: Scene) -> Description:
 def _rows_of_train(scene: Scene, assembly: TrainAssembly) -> Rows:
     train, pairing = scene.train, assembly.pairing
     assert train is not None
+    if train.is_double_helical:
+        moves = "without resistance"
+        if train.axial_stiffness_N_per_um is not None:
+            moves = f"on {train.axial_stiffness_N_per_um:g} N/um"
+        return [
+            ("face width of a half", f"{assembly.face_width_mm:g} mm"),
+            ("width of the groove", f"{train.groove_width_mm:g} mm"),
+            ("body_1 moves along its axis", moves),
+        ]
     common = NAMES[pairing.common]
     rows = [
         ("face width", f"{assembly.face_width_mm:g} mm"),
@@ -66,19 +76,26 @@ def _rows_of_train(scene: Scene, assembly: TrainAssembly) -> Rows:
     return rows
 
 
+def _meshes(assembly: TrainAssembly) -> list[tuple[str, PlacedMesh]]:
+    """Names of both meshes, which are alike in the halves of double helical gears."""
+    meshes = assembly.pairing.meshes[: len(assembly.bodies) - 1]
+    return [(" and ".join(mesh.names), mesh) for mesh in meshes]
+
+
 def data_sheet(scene: Scene) -> DataSheet:
     """Drawing data of bodies 1 and 2, of body 3, and of both meshes."""
     assembly = assemble(scene)
-    one, two, three = (
+    one, two, *third = (
         rows_of_profile_and_body(body, getattr(scene, name), scene)
-        for name, body in zip(NAMES, assembly.bodies, strict=True)
+        for name, body in zip(assembly.names, assembly.bodies, strict=True)
     )
-    rows = [SheetRow(f"body 3: {row.name}", row.symbol, row.value) for row in three]
-    for mesh in assembly.pairing.meshes:
+    rows = [
+        SheetRow(f"body 3: {row.name}", row.symbol, row.value) for three in third for row in three
+    ]
+    for title, mesh in _meshes(assembly):
         gears = mesh.pairing.gear_geometry
         if gears is None:
             continue
-        title = " and ".join(mesh.names)
         angle = f"{degrees(gears.pressure_angle_rad):.4f}°"
         rows.append(SheetRow(f"working pressure angle of {title}", "α_wt", angle))
         rows.append(SheetRow(f"contact ratio of {title}", "ε_α", f"{gears.contact_ratio:.4f}"))

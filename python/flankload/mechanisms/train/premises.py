@@ -20,5 +20,7 @@ def broken_by_geometry(assembly: TrainAssembly) -> Iterator[Broken]:
     """Premises that are violated at any load: rims, contact ratios."""
     pairing = assembly.pairing
     yield from broken_rims_and_ratios(
-        assembly, [(m, pairing.title(m), key) for m, key in enumerate(DISTANCES)]
+        # the halves of double helical gears have one distance
+        assembly,
+        [(m, pairing.title(m), key) for m, key in enumerate(DISTANCES[: len(assembly.bodies) - 1])],
     )

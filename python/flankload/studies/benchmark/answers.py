@@ -19,7 +19,7 @@ from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.errors import SceneError, reason_of
 from flankload.mechanisms.registry import mechanism_of
 from flankload.result.stage import StageLoads
-from flankload.result.train import TrainLoads
+from flankload.result.train import TwoMeshes
 from flankload.scene import read_scene
 from flankload.scene.discretization import DEFAULT
 from flankload.scene.refusal import refuse
@@ -150,7 +150,7 @@ def _of_result(result: Result) -> dict[str, Value]:
         known["contact_half_width"] = of_pair(result.contact_half_width_mm)
     elif isinstance(drive, StageLoads):
         known["mesh_load_factor"] = lambda p: float(drive.mesh_load_factor[int(p)])
-    elif isinstance(drive, TrainLoads):
+    elif isinstance(drive, TwoMeshes):
         known["bearing_force"] = lambda p: float(drive.common_force_N[int(p)])
     else:
         known["tension"] = of_pair(drive.tension_behind_N)
