@@ -680,11 +680,11 @@ _PYTHON = (
         ("0.5 * (behind + behind.T)", "behind"),
     ),
     *_in(
-        "elasticity/prism/compliance.py",
+        "elasticity/prism/surface_loads.py",
         "unit/elasticity/prism/test_prism_compliance.py physics/test_prism.py",
-        ("-= 0.5 * near.kernel * projected_potential", "-= near.kernel * projected_potential"),
-        ("surface.products(n_modes)", "surface.products(n_modes) * surface.cos_base_helix"),
-        ("along=each, tip=body.tip, twist=", "along=each, twist="),
+        ("-= 0.5 * kernel * potential", "-= kernel * potential"),
+        ("(self.surface.products(self.n_modes))", "(0.9 * self.surface.products(self.n_modes))"),
+        ("along=each, tip=tip, twist=", "along=each, twist="),
     ),
     *_in(
         "elasticity/prism/flank_surface.py",
@@ -697,9 +697,9 @@ _PYTHON = (
         ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
     ),
     *_in(
-        "elasticity/prism/compliance.py",
+        "elasticity/prism/surface_loads.py",
         "physics/test_friction_of_slices.py",
-        ("response[0, :p, p:] -= tangential", "response[0, :p, p:] += tangential"),
+        ("response[own, :p, p:] -= self", "response[own, :p, p:] += self"),
     ),
     *_in(
         "elasticity/prism/flank_surface.py",

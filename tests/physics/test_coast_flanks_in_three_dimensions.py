@@ -11,8 +11,8 @@ import pytest
 
 import flankload as fl
 from flankload.contact.body_record import records_of
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.compliance.body_compliance import no_compliance
-from flankload.elasticity.prism.compliance import prism_compliance
 from flankload.elasticity.prism.prism import Prism
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.loaded_bodies import SolidBody, field_bodies
@@ -74,7 +74,9 @@ def test_flanks_of_a_prism_are_images_by_half_a_turn(twist: float) -> None:
     are solved alone."""
     body = gear_body(16, 2.5)
     prism = Prism((-5.0, 5.0), twist, degree=5, load_degree=1)
-    found = prism_compliance(body, prism, n_modes=2, coast_flanks=True, friction=True)
+    found = flank_compliance(
+        body, JobOptions(n_modes=2, coast_flanks=True, friction=True, prism=prism)
+    )
     coast, z = found.coast, len(found.smooth)
     assert coast is not None
     assert found.tangential is not None

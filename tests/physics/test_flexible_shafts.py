@@ -11,8 +11,9 @@ from numpy.polynomial.legendre import legvander
 
 import flankload as fl
 from flankload.elasticity.axial_basis import mode_norms_z
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_norms
-from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.gear_scenes import resized
@@ -71,7 +72,7 @@ def line_compliance(**pinion: Any) -> np.ndarray:
         regions=body.axial.regions,
         shaft=body.axial.flexible,
     )
-    found = prism_compliance(body, prism, n_modes=1)
+    found = flank_compliance(body, JobOptions(n_modes=1, prism=prism))
     norms = mode_norms(body.mode_range_mm, 1)[0] * mode_norms_z(WIDTH, 3)
     near = 0.5 * found.near.kernel * projected_potential(flank_surface(body, prism), 1, 3)
     height = body.mode_range_mm[1] - body.mode_range_mm[0]

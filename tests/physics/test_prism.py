@@ -13,6 +13,7 @@ from numpy.polynomial.legendre import leggauss, legvander
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.near_field import (
     consistent_loads,
@@ -21,7 +22,7 @@ from flankload.elasticity.near_field import (
     mode_norms,
     mode_values,
 )
-from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
 from flankload.elasticity.prism.flank_surface import FlankSurface
 from tests.support.plain_prism import product_loads
@@ -73,7 +74,7 @@ def _pinion(flank_element_mm: float) -> Body:
 @pytest.mark.parametrize("helix", [0.0, 15.0])
 def test_compliance_of_modes_is_that_of_another_program(helix: float) -> None:
     body, prism, n_s = _pinion(1.0), Prism(ENDS, _twist(helix)), 3
-    found = prism_compliance(body, prism, n_modes=n_s)
+    found = flank_compliance(body, JobOptions(n_modes=n_s, prism=prism))
     surface = flank_surface(body, prism)
     norms = np.outer(
         mode_norms(body.mode_range_mm, n_s), mode_norms_z(WIDTH, 4) / surface.cos_base_helix
@@ -99,8 +100,8 @@ def test_compliance_of_modes_is_that_of_another_program(helix: float) -> None:
 def test_the_elements_of_the_section_miss_as_much_as_estimated(helix: float) -> None:
     """Elements a third as long; where the mean over the profile varies along z, less is missed."""
     prism = Prism(ENDS, _twist(helix), degree=5, load_degree=1, cut_degree=2)
-    coarse = prism_compliance(_pinion(2.0), prism, n_modes=3, estimate=True)
-    fine = prism_compliance(_pinion(0.7), prism, n_modes=3)
+    coarse = flank_compliance(_pinion(2.0), JobOptions(n_modes=3, estimate=True, prism=prism))
+    fine = flank_compliance(_pinion(0.7), JobOptions(n_modes=3, prism=prism))
     assert coarse.fe_error is not None
     estimated = np.diag(coarse.fe_error[0]).reshape(3, 2)
     true = np.diag(fine.smooth[0] - coarse.smooth[0]).reshape(3, 2)
@@ -125,7 +126,7 @@ def _tooth(
     """Cross compliances of loads in_plane x along on a tooth whose cuts are held."""
     axial, mesh = prism.axial, body.mesh
     loads = product_loads(in_plane, along(axial)).reshape(len(mesh.nodes), 3 * axial.count, -1)
-    section, _ = replace(prism, cut_degree=0).section(mesh, body.material)
+    section = replace(prism, cut_degree=0).section(mesh, body.material)
     return condense_nodes(section, mesh, loads).local[0]
 
 

@@ -12,8 +12,9 @@ import flankload as fl
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.axial_basis import mode_norms_z
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_norms
-from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.flank_potential import projected_potential
 from tests.support.gear_scenes import example
 from tests.support.ring_bodies import gear
@@ -74,7 +75,7 @@ def test_a_thin_web_is_as_compliant_as_in_another_program(
         regions=ASIDE if case == "hub" else (("web", WEB),),
     )
     surface = flank_surface(body, prism)
-    response = prism_compliance(body, prism, n_modes=n_s).smooth.copy()
+    response = flank_compliance(body, JobOptions(n_modes=n_s, prism=prism)).smooth.copy()
     kernel = (1 - body.material.poisson_ratio**2) / (np.pi * body.material.young_modulus_MPa)
     norms = np.outer(
         mode_norms(body.mode_range_mm, n_s), mode_norms_z(WIDTH, 2) / surface.cos_base_helix

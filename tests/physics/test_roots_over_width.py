@@ -12,7 +12,8 @@ from flankload.base.rotation import turned
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
-from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
+from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.mechanisms.flank_pair.loaded_bodies import SolidBody, field_bodies
 from tests.support.ring_bodies import gear
@@ -51,7 +52,7 @@ def _pinion() -> tuple:
 def test_stress_is_that_of_another_program(helix: float) -> None:
     (body, fillets), ends = _pinion(), (-0.5 * WIDTH, 0.5 * WIDTH)
     prism = Prism(ends, float(np.tan(np.radians(helix)) / 36.0))
-    root = prism_compliance(body, prism, n_modes=3, fillets=fillets).root
+    root = flank_compliance(body, JobOptions(n_modes=3, fillets=fillets, prism=prism)).root
     assert root is not None
     per_mode = np.kron(
         flank_surface(body, prism).products(3), np.diag(mode_norms_z(WIDTH, prism.load_degree))

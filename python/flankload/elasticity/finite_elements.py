@@ -58,6 +58,8 @@ class SectionStiffness:
         Number of nodes.
     regions : (n,) array
         Number of the region of each block.
+    region_of_cells : tuple of int
+        Number of the region of each entry of the mesh's cells.
     twist : float
         kappa, rad/mm, counter-clockwise with increasing z.
     functions : AxialFunctions
@@ -74,6 +76,7 @@ class SectionStiffness:
     blocks: Floats
     nodes: int
     regions: Numbers
+    region_of_cells: tuple[int, ...]
     twist: float = 0.0
     functions: AxialFunctions = PLANE
     cut_degree: int = 0
@@ -94,11 +97,24 @@ class SectionStiffness:
         """Size of the arrays."""
         return self.rows.nbytes + self.columns.nbytes + self.blocks.nbytes + self.regions.nbytes
 
+    def in_section(self, values: Floats) -> Floats:
+        """Unknowns (N, u) of displacements (N, 2) in the section that do not depend on z."""
+        bases, of_node = self.functions.of_nodes(np.arange(self.nodes))
+        found = np.zeros((self.nodes, self.functions.count, self.components))
+        widths = np.array([basis.width_mm for basis in bases])
+        found[:, 0, :2] = np.sqrt(widths[of_node])[:, None] * values
+        return found.reshape(self.nodes, self.unknowns)
+
     def times(self, moved: Floats) -> Floats:
-        """Forces (2N,) of displacements (N, 2) in the plane, N per mm of width."""
-        found = np.zeros_like(moved)
-        np.add.at(found, self.rows, np.einsum("ncd,nd->nc", self.blocks[:, 0], moved[self.columns]))
-        return found.ravel()
+        """Forces (N, u) of displacements (N, u)."""
+        by_function = moved.reshape(self.nodes, -1, self.components)
+        found = np.zeros_like(by_function)
+        number, terms = self.functions.products(self)
+        for each, axial in enumerate(terms[:, : self.blocks.shape[1]]):
+            own = np.flatnonzero(number == each)
+            by_z = np.einsum("tab,nbd->ntad", axial, by_function[self.columns[own]])
+            np.add.at(found, self.rows[own], np.einsum("ntcd,ntad->nac", self.blocks[own], by_z))
+        return found.reshape(moved.shape)
 
 
 def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
@@ -160,7 +176,7 @@ def _summed(
     total = np.add.reduceat(part[order], first, axis=0)
     region_and_row, columns = np.divmod(place[first], count)
     region, rows = np.divmod(region_and_row, count)
-    return SectionStiffness(rows, columns, total, count, region)
+    return SectionStiffness(rows, columns, total, count, region, tuple(regions))
 
 
 def _element_blocks(
@@ -209,19 +225,22 @@ def _moduli(material: Material, plane: str) -> Floats:
     return moduli
 
 
-def centrifugal_load(nodes: Floats, cells: Cells) -> Floats:
-    """Consistent nodal loads of a force per area equal to the coordinates.
+def centrifugal_load(section: SectionStiffness, nodes: Floats, cells: Cells) -> Floats:
+    """Consistent nodal loads (N, u) of a force per volume equal to the distances from the axis.
 
-    Integral of N_q x, (2N,), mm³; times density and the square of the speed, the centrifugal force
-    per mm of width.
+    Times density and the square of the speed, the centrifugal force; in the plane per mm of width.
     """
-    loads = np.zeros_like(nodes)
-    for kind, connectivity in cells:
+    bases, of_node = section.functions.of_nodes(np.arange(len(nodes)))
+    found = np.zeros((len(nodes), section.functions.count, section.components))
+    for region, (kind, connectivity) in zip(section.region_of_cells, cells, strict=True):
         basis = block_basis(nodes, kind, connectivity, LOAD_DEGREE)
-        force = basis.dx * basis.places  # (2, E, points)
+        force, in_plane = basis.dx * basis.places, np.zeros_like(nodes)  # (2, E, points)
         for value, node in zip(basis.values, connectivity.T, strict=True):
-            np.add.at(loads, node, (force * value).sum(axis=2).T)
-    return loads.ravel()
+            np.add.at(in_plane, node, (force * value).sum(axis=2).T)
+        span = np.array([bases[region].range_mm])
+        along = bases[region].width_mm * np.concatenate([each.means(span) for each in bases])
+        found[..., :2] += along[of_node][:, :, None] * in_plane[:, None, :]
+    return found.reshape(len(nodes), -1)
 
 
 def degrees_of(nodes: Numbers) -> Numbers:

@@ -81,19 +81,6 @@ def elements_call(
     """
     body_load = job.body_load
     effects, own = effects_of(scene), body.for_elements()
-    if effects.three_dimensions:
-        from flankload.elasticity.prism import prism_compliance
-
-        return partial(
-            prism_compliance,
-            own,
-            prism_of(own, scene),
-            n_modes=modes_of(own, scene, discretization),
-            friction=has_tangential_loads(body, effects) or tangential,
-            coast_flanks=job.coast_flanks or scene.effects.coast_flank,
-            fillets=job.fillets,
-            estimate=estimate,
-        )
     # tangential displacement under normal loads equals the transposed reaction to tangential loads
     if own.imported is not None:
         return partial(
@@ -118,6 +105,7 @@ def elements_call(
             fillets=job.fillets,
             estimate=estimate,
             rim=job.rim,
+            prism=prism_of(own, scene) if effects.three_dimensions else None,
         ),
         sectors=scene.sectors,
         body_load=body_load if body_load is not None and body_load.needs_elements else None,
@@ -215,7 +203,7 @@ def solve_body(
         return _in_scene(held, body, scene, job.body_load)
     with clock.stage(stage) as account:
         watched = {"account": Account(on_part=clock.part_progress(stage))}
-        solved = call(**(watched if effects_of(scene).three_dimensions else {}))
+        solved = call(**(watched if body.imported is None else {}))
         compliance = _in_scene(solved, body, scene, job.body_load)
         account.count(**compliance.job.counters)
         # the estimate includes the discretization error of the elements
@@ -290,7 +278,6 @@ def prism_of(body: Body, scene: Scene) -> Prism:
         load_degree=load_degree,
         regions=axial.regions,
         shaft=axial.flexible,
-        sectors=scene.sectors,
     )
 
 

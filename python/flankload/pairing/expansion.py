@@ -5,7 +5,7 @@ shaft in its bore, the housing around a ring) and the fixed surface expand by e_
 axial expansion is free. If e_s = e, the body expands uniformly without stress, and its flanks are
 scaled by 1 + e. The difference e_s - e and the centrifugal force are loads on the finite elements.
 In three dimensions, the rotation of the section per length along the axis is divided by 1 + e,
-about the middle of the face width.
+about the middle of the face width, and the fixed surface moves along the axis as the body expands.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
+    from flankload.elasticity.compliance import Expansion
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
     from flankload.scene import Scene
@@ -97,9 +98,10 @@ def body_load_notes(scene: Scene) -> tuple[str, ...]:
     )
 
 
-def expanded(body: Body, strain: float) -> Body:
+def expanded(body: Body, expansion: Expansion) -> Body:
     """The body with its curve and the range of its modes scaled by 1 + strain."""
-    if strain == 0.0:
+    strain = expansion.strain
+    if strain == expansion.axial_strain == 0.0:
         return body
     curve, larger = body.curve, 1.0 + strain
     powers = larger ** (1.0 - np.arange(curve.coefficients.shape[2]))
@@ -112,14 +114,17 @@ def expanded(body: Body, strain: float) -> Body:
             curve, breaks=larger * curve.breaks, coefficients=powers * curve.coefficients
         ),
         mode_range_mm=(larger * low, larger * high),
-        axial=replace(body.axial, twist_rad_per_mm=body.axial.twist_rad_per_mm / larger),
+        axial=replace(
+            body.axial,
+            twist_rad_per_mm=body.axial.twist_rad_per_mm / (1.0 + expansion.axial_strain),
+        ),
     )
 
 
 def expanded_slices(
     slices: Slices, bodies: tuple[Body, Body], strains: tuple[float, float]
 ) -> Slices:
-    """Slices after uniform axial expansion of the helices of bodies of unchanged face widths."""
+    """Slices after axial expansion of the helices of bodies of unchanged face widths."""
 
     one, two = (
         turns

@@ -18,7 +18,8 @@ from flankload.bodies import build_body
 from flankload.bodies.body import Body, SectorMesh
 from flankload.bodies.imported.body_file import write_body
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
+from flankload.elasticity.prism import Prism
 from flankload.errors import FlankloadError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import MeshBody
@@ -185,7 +186,9 @@ def test_a_written_mesh_has_the_regions_as_sets(tmp_path: Path, suffix: str) -> 
     assert mesh.regions == ("", "web", "HUB")
     assert [len(data) for _, data in mesh.cells] == [len(data) for _, data in _mesh(own).cells]
     assert body.axial.regions == (("web", (-2.0, 2.0)), ("HUB", (-10.0, 10.0)))
-    found = prism_compliance(body, replace(PRISM, regions=body.axial.regions), n_modes=1)
+    found = flank_compliance(
+        body, JobOptions(n_modes=1, prism=replace(PRISM, regions=body.axial.regions))
+    )
     # middle nodes of .inp are restored
     np.testing.assert_allclose(found.smooth, _of_the_gear(), rtol=1e-6)
 
@@ -195,7 +198,7 @@ def _of_the_gear() -> np.ndarray:
     """Compliance of the gear with its web and hub, which is that of a plain gear with more."""
     own = _body()
     expected, plain = (
-        prism_compliance(own, replace(PRISM, regions=regions), n_modes=1).smooth
+        flank_compliance(own, JobOptions(n_modes=1, prism=replace(PRISM, regions=regions))).smooth
         for regions in (EXTENTS, PRISM.regions)
     )
     assert expected[1, 0, 0] > 1.5 * plain[1, 0, 0]

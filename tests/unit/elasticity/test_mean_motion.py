@@ -112,7 +112,7 @@ def closed_prism(
     in_plane = mode_loads(mesh, span, 2, twist=twist)
     loads = product_loads(in_plane, axial.load_vectors(degree))
     loads = loads.reshape(len(mesh.nodes), 3 * axial.count, -1)
-    section, _ = prism_of(axial, twist).section(mesh, STEEL)
+    section = prism_of(axial, twist).section(mesh, STEEL)
     reactions = bore_reactions(mesh, section, STEEL.young_modulus_MPa)
     sector = condense_nodes(section, mesh, np.concatenate([loads, reactions], axis=2))
     return loads, reactions, close_ring(sector.with_reactions(6), mesh.teeth)
@@ -132,7 +132,7 @@ def test_reactions_of_a_prism_do_work_on_their_own_motion_alone(twist: float) ->
     mesh = with_free_bore(ring_sector(4, rows=1, columns=3)[0])
     axial = AxialBasis(AXIAL.range_mm, 8)
     width, middle = np.ptp(axial.range_mm), np.mean(axial.range_mm)
-    section, _ = prism_of(axial, twist).section(mesh, STEEL)
+    section = prism_of(axial, twist).section(mesh, STEEL)
     reactions = rigid(placed_prism(mesh, bore_reactions(mesh, section, 1.0)))
     nodes, radius = ring_of(mesh)[0], np.hypot(*mesh.nodes[mesh.bore_edges[0, 0]])
     z = np.linspace(*axial.range_mm, 40)[:, None]

@@ -14,9 +14,10 @@ import flankload as fl
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
+from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.near_field import logarithm_strength, mode_loads
-from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.elasticity.prism.loaded_prism import LoadedPrism, SolidPart, loaded_prism
 from flankload.elasticity.prism.root_surface import root_surface_stress
@@ -68,7 +69,7 @@ def test_flanks_move_as_in_the_compliance_of_the_run() -> None:
     """Loads and readings are the pressure modes; the near field is that of the run."""
     body = build_involute_body(gear(), "body_1", flank_element_mm=3.0)
     prism, n_s = Prism((-7.0, 7.0), 0.01, degree=5, load_degree=1, cut_degree=3), 3
-    wanted = prism_compliance(body, prism, n_modes=n_s).smooth.copy()
+    wanted = flank_compliance(body, JobOptions(n_modes=n_s, prism=prism)).smooth.copy()
     surface = flank_surface(body, prism)
     norms = np.kron(surface.products(n_s), np.diag(mode_norms_z(14.0, 1)))
     kernel = 0.5 * logarithm_strength(STEEL, "strain")

@@ -224,10 +224,9 @@ class BodyCompliance:
                 return blocks[:, :kept, :kept]
             return np.asarray(parts @ blocks @ parts.T)
 
-        shifts = {name: modes @ parts.T for name, modes in self.expansion.shifts.items()}
         return replace(
             self.with_blocks(projected),
-            expansion=replace(self.expansion, shifts=shifts),
+            expansion=self.expansion.with_shifts(lambda modes: modes @ parts.T),
             fe_error=None,
         )
 
@@ -240,6 +239,7 @@ class BodyCompliance:
         return replace(
             self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
+            expansion=self.expansion.with_shifts(lambda modes: modes[:, kept]),
             fe_error=None,
         )
 
@@ -288,7 +288,7 @@ class BodyCompliance:
             self.modes,
             range_mm=(larger * low, larger * high),
             tip=None if tip is None else tip.larger(larger),
-            axial=replace(axial, twist=axial.twist / larger),
+            axial=replace(axial, twist=axial.twist / (1.0 + self.expansion.axial_strain)),
         )
         return replace(self, modes=modes)
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.root_fillet import RootPoints
     from flankload.bodies.tip_modes import Tip
@@ -113,22 +115,6 @@ class CoastCompliance:
     normal: Floats
     tangential: Floats | None = None
 
-    @classmethod
-    def mirrored(
-        cls, across: Floats, smooth: Floats, tangential: tuple[Floats, Floats] | None
-    ) -> CoastCompliance:
-        """Of a body whose working and coast flanks are mirror images.
-
-        `across` (z, p, p): from working to coast flanks; `smooth` (z, p, p): between working
-        flanks; `tangential`: both for tangential loads.
-        """
-
-        def images(over: Floats, between: Floats) -> Floats:
-            back = opposite(len(over))
-            return np.concatenate([over, over[back], between[back]])
-
-        return cls(images(across, smooth), None if tangential is None else images(*tangential))
-
     @property
     def exchanged(self) -> Numbers:
         """Indices (3 z,) of the blocks with displaced and loaded flank exchanged."""
@@ -149,14 +135,26 @@ class Expansion:
     Attributes
     ----------
     strain : float
-        Uniform strain of the whole body.
+        Uniform strain of the section of the whole body.
     shifts : dict of str to (1, p) or (f, p) array
         By load, normal displacement of the flanks beyond that strain, as mode coefficients, mm: one
         row for all teeth, or one for each flank.
+    axial_excess : float
+        Axial strain less the strain of the section.
     """
 
     strain: float = 0.0
     shifts: dict[str, Floats] = field(default_factory=dict)
+    axial_excess: float = 0.0
+
+    @property
+    def axial_strain(self) -> float:
+        """Strain along the axis."""
+        return self.strain + self.axial_excess
+
+    def with_shifts(self, change: Callable[[Floats], Floats]) -> Expansion:
+        """The expansion with changed displacements of the flanks."""
+        return replace(self, shifts={name: change(part) for name, part in self.shifts.items()})
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,8 @@
 
 The flanks of a whole mesh are loaded one after the other. For a body of equal sectors, the
 stiffness matrix of one sector is factorised once, with the pressure modes of the flank and the
-unknowns of the cuts as right-hand sides (`sector_closure`).
+unknowns of the cuts as right-hand sides (`sector_closure`). A plane body is one with constant
+displacements along its axis; a prism has functions of z over its width.
 """
 
 from __future__ import annotations
@@ -12,15 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies.body import WholeMesh
+from flankload.bodies.body import SectorMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
-from flankload.elasticity.compliance.contributions import (
-    CoastCompliance,
-    Expansion,
-    FlankModes,
-    RootResponse,
-)
+from flankload.elasticity.compliance.contributions import Expansion
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
 from flankload.elasticity.compliance.tip_force import (
@@ -29,22 +25,22 @@ from flankload.elasticity.compliance.tip_force import (
     turned_columns,
 )
 from flankload.elasticity.fe_error import compliance_error
-from flankload.elasticity.finite_elements import (
-    centrifugal_load,
-    stiffness,
-)
+from flankload.elasticity.finite_elements import centrifugal_load, stiffness
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.near_field import mode_loads, to_coefficients
 from flankload.elasticity.nodal_loads import nodes_of
 from flankload.elasticity.sector_closure import made_symmetric
+from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from flankload.base.arrays import Floats
-    from flankload.bodies.body import Body, SectorMesh
+    from flankload.bodies.body import Body
     from flankload.bodies.root_fillet import RootFillets
+    from flankload.cost import Account
+    from flankload.elasticity.compliance.loads import FlankLoads
     from flankload.elasticity.finite_elements import SectionStiffness
+    from flankload.elasticity.prism import Prism
     from flankload.pairing.expansion import BodyLoad
 
 
@@ -65,17 +61,19 @@ class JobOptions:
     nodal : bool
         The loads are unit forces at the nodes of the flank instead of modes.
     coast_flanks : bool
-        Displacements of the coast flanks are returned; for sector meshes only.
+        Coast flanks are loaded, too, and their displacements returned; for sector meshes only.
     fillets : RootFillets or None
         Points at which the stress is returned.
     estimate : bool
         The discretization error of the elements is estimated; with modes only.
     rim : bool
         The displacements of a free rim are returned; for sector meshes with modes only.
+    prism : Prism or None
+        Extent and discretization along the axis, in plane strain; None: a plane body.
     """
 
     n_modes: int
-    plane: str
+    plane: str = "strain"
     friction: bool = False
     along: bool = False
     nodal: bool = False
@@ -83,6 +81,7 @@ class JobOptions:
     fillets: RootFillets | None = None
     estimate: bool = False
     rim: bool = False
+    prism: Prism | None = None
 
 
 def flank_compliance(
@@ -92,36 +91,46 @@ def flank_compliance(
     sectors: int | None = None,
     body_load: BodyLoad | None = None,
     section: SectionStiffness | None = None,
+    account: Account | None = None,
 ) -> BodyCompliance:
     """Compliance of the flanks of a body from one finite-element job.
 
     Parameters
     ----------
     body : Body
-        With a mesh, or rigid.
+        With a mesh, or rigid. The fixed nodes of a sector are fixed over their whole width or
+        follow a shaft (`flexible_bore`); of a free bore the mean motion is held (`mean_motion`).
     sectors : int, optional
         Odd number of equal sectors of a segment with both ends fixed; 1: a single tooth. Default:
-        the whole body; not for whole meshes.
+        the whole body; not for whole meshes, nor on a shaft that the bore follows.
     body_load : BodyLoad, optional
         Causes of the expansion of the body; a single tooth expands uniformly only.
     section : SectionStiffness, optional
         Stiffness of the mesh, if available.
+    account : Account, optional
+        Counters and progress; by default a new one.
+
+    Raises
+    ------
+    SceneError
+        Of a prism: if the load degree exceeds the axial degree less 4, an edge between flank and
+        end face is sharper than 50 degrees, or the mesh is that of a whole body.
     """
+    prism = options.prism
+    if prism is not None:
+        prism.check()
     if body.rigid or body.mesh is None:
         return no_compliance(body, body_load)
-    job, load_vectors = _prepared(body, body_load, options, section)
-    if isinstance(body.mesh, WholeMesh):
-        response = of_whole(job, body.mesh)
+    job, load_vectors = _prepared(body, body_load, options, section, account)
+    if isinstance(body.mesh, SectorMesh):
+        response = of_sector(job, body.mesh, sectors)
     else:
-        response = of_sector(job, body.mesh, sectors, coast_flanks=options.coast_flanks)
+        response = of_whole(job, body.mesh)
     found = _compliance(job, response, options)
     moved = {name: response.by_force[:, k] for k, name in enumerate(load_vectors)}
-    expansion = Expansion(*_flank_expansion(body, body_load, job.loads.count, moved))
-    job.log.end_step("ring")
-    modes, errors, miss = job.loads, job.log.errors, None
-    if errors and isinstance(modes, ModeLoads):
-        p = response.response.shape[2]  # without the forces on a rim
-        miss = modes.fe_error(np.stack(errors)[:, :p, :p])
+    expansion = _expansion(job, body_load, moved)
+    job.log.end_step("near field")
+    miss = _fe_error(job, options, response)
     log = replace(found.job, seconds=job.log.seconds())
     return replace(found, expansion=expansion, fe_error=miss, job=log)
 
@@ -131,58 +140,82 @@ def _prepared(
     body_load: BodyLoad | None,
     options: JobOptions,
     section: SectionStiffness | None,
+    account: Account | None,
 ) -> tuple[Job, dict[str, Floats]]:
     """Stiffness, loads and readings of a job, and the vectors of the body load by name."""
-    plane = options.plane
-    assert body.mesh is not None
-    mesh, nodes, cells = body.mesh, body.mesh.nodes, body.mesh.cells
+    prism, mesh = options.prism, body.mesh
+    assert mesh is not None
+    bore, loads = None, _loads(body, options)
+    columns = loads.count * (1 + options.friction)
 
     def estimate(moved: Floats) -> Floats:
-        return compliance_error(nodes, cells, body.material, plane, moved)
+        # without loads on coast flanks and a rim
+        return compliance_error(
+            mesh.nodes, mesh.cells, body.material, options.plane, moved[:, :columns]
+        )
 
-    log = JobLog(estimate=estimate if options.estimate and not options.nodal else None)
-    loads = _loads(body, options)
-    if section is None:
-        section = stiffness(nodes, cells, body.material, plane)
+    estimated = options.estimate and not options.nodal and prism is None
+    log = JobLog(account, estimate=estimate if estimated else None)
+    if prism is not None:
+        assert isinstance(mesh, SectorMesh)
+        section = prism.section(mesh, body.material)
+        bore = prism.bore(section, mesh)
+    elif section is None:
+        section = stiffness(mesh.nodes, mesh.cells, body.material, options.plane)
     log.account.workspace_bytes += section.bytes
-    load_vectors = _load_vectors(section, mesh, body_load)
+    load_vectors = _load_vectors(section, body, body_load)
     job = Job(
         body=body,
-        stiffness=section,
+        section=section,
         loads=loads,
-        friction=options.friction,
-        readings=_readings(body, options, 2 * len(nodes)),
-        forces=np.stack(list(load_vectors.values()), axis=1) if load_vectors else None,
+        readings=_readings(body, options, loads, section),
+        forces=np.stack(list(load_vectors.values()), axis=2) if load_vectors else None,
         log=log,
+        coast_flanks=options.coast_flanks,
         rim=options.rim,
+        bore=bore,
     )
     return job, load_vectors
 
 
-def _loads(body: Body, options: JobOptions) -> ModeLoads | NodeLoads:
+def _loads(body: Body, options: JobOptions) -> FlankLoads:
     """Unit loads of a flank."""
+    mesh, friction = body.mesh, options.friction
+    assert mesh is not None
     if options.nodal:
-        assert body.mesh is not None
-        return NodeLoads(body, nodes_of(body.mesh), options.plane)
+        return NodeLoads(body, nodes_of(mesh), options.plane, friction)
     count = options.n_modes if body.tip is None else with_tip(options.n_modes)
-    return ModeLoads(body, count, options.plane, friction=options.friction)
+    if options.prism is None:
+        return ModeLoads(body, count, options.plane, friction)
+    if not isinstance(mesh, SectorMesh):
+        raise SceneError(
+            key=body.kind,
+            expected="a body of equal sectors in three dimensions",
+            found="the mesh of a whole body",
+        )
+    from flankload.elasticity.prism.surface_loads import SurfaceLoads
+
+    return SurfaceLoads(body, options.prism, count, friction)
 
 
-def _readings(body: Body, options: JobOptions, size: int) -> Callable[[int], dict[str, Floats]]:
-    """Columns for readings, by counter: root stress, tangential displacement of a sharp tip.
+def _turns(body: Body, options: JobOptions) -> bool:
+    """Whether the tangential displacement of a sharp tip is read."""
+    return not options.nodal and options.prism is None and has_turned_forces(body)
 
-    Stress at a free surface is the strain along it times E, in plane strain E/(1 - nu²).
-    """
-    modulus = body.material.young_modulus_MPa
-    if options.plane == "strain":
-        modulus /= 1 - body.material.poisson_ratio**2
 
-    def readings(flank: int) -> dict[str, Floats]:
+def _readings(
+    body: Body, options: JobOptions, loads: FlankLoads, section: SectionStiffness
+) -> Callable[[int], dict[str, tuple[Floats, int]]]:
+    """Columns for readings, by counter: root stress, tangential displacement of a sharp tip."""
+
+    def readings(flank: int) -> dict[str, tuple[Floats, int]]:
         found = {}
         if options.fillets is not None:
-            found["stress_recoveries"] = modulus * options.fillets.columns(flank, size)
-        if not options.nodal and has_turned_forces(body):
-            found["corner_readings"] = turned_columns(body, flank)
+            columns = loads.root_columns(options.fillets, flank, section)
+            found["stress_recoveries"] = columns, loads.functions_of_roots
+        if _turns(body, options):
+            corner = turned_columns(body, flank).reshape(section.nodes, section.unknowns, 1)
+            found["corner_readings"] = corner, 1
         return found
 
     return readings
@@ -191,90 +224,95 @@ def _readings(body: Body, options: JobOptions, size: int) -> Callable[[int], dic
 def _compliance(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
     """Compliance from the response of the elements, without the near field."""
     body, loads, friction = job.body, job.loads, options.friction
-    p, n_modes = found.response.shape[2], loads.count
-    response, below = found.response[:, :p], found.response[:, p:]
+    q, p = found.response.shape[2], loads.count
+    response, below = found.response[:, :q], found.response[:, q:]
     root, turned, places = None, None, 0
     if options.fillets is not None:
-        places = options.fillets.points.arc_length_mm.size
-        root = RootResponse(options.fillets.points, below[:, :places])
-    if not options.nodal and has_turned_forces(body):
-        turned = turned_coefficients(body, below[:, places, :n_modes], found.own, options.plane)
+        places = options.fillets.points.arc_length_mm.size * loads.functions_of_roots
+        root = loads.roots(options.fillets, below[:, :places])
+    if _turns(body, options):
+        turned = turned_coefficients(body, below[:, places, :p], found.own, options.plane)
     loads.subtract_near_field(response, found.own, job.log.account)
     response, asymmetry = made_symmetric(response, found.across)
-    coast, across = None, found.coast
-    if across is not None:
-        parts = across[..., n_modes:], response[:, :n_modes, n_modes:]
-        coast = CoastCompliance.mirrored(
-            across[..., :n_modes], response[:, :n_modes, :n_modes], parts if friction else None
-        )
     job.log.account.count(fe_unknowns=found.degrees_of_freedom)
     return BodyCompliance(
-        smooth=response[:, :n_modes, :n_modes],
+        smooth=np.ascontiguousarray(response[:, :p, :p]),
         near=loads.near_field,
-        modes=FlankModes(
-            body.mode_range_mm, closed=body.curve.closed, tip=loads.tip, nodes=loads.nodes
-        ),
+        modes=loads.modes,
         flanks=found.flanks,
-        tangential=response[:, :n_modes, n_modes:] if friction else None,
-        along_near=loads.along_near() if friction else None,
-        along=response[:, n_modes:, n_modes:] if options.along and friction else None,
+        tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
+        along_near=loads.along_near(),
+        along=np.ascontiguousarray(response[:, p:, p:]) if options.along and friction else None,
         turned=turned,
-        coast=coast,
+        coast=found.coast,
         root=root,
         rim=found.rim,
         job=job.log.cost(asymmetry, found.degrees_of_freedom),
     )
 
 
+def _fe_error(job: Job, options: JobOptions, found: Response) -> Floats | None:
+    """Estimated error of the elements as `BodyCompliance.fe_error`; None without an estimate.
+
+    That of a prism comes from a job for one tooth of its section, in plane strain.
+    """
+    log, loads, q = job.log, job.loads, found.response.shape[2]
+    if isinstance(loads, ModeLoads) and log.errors:
+        errors = np.stack(log.errors)[:, :q, :q]
+        return loads.between(errors[:, : loads.count])
+    if options.prism is None or not options.estimate:
+        return None
+    in_plane = replace(options, prism=None, coast_flanks=False, fillets=None)
+    section = flank_compliance(job.body, in_plane, sectors=1).fe_error
+    assert section is not None
+    log.account.count(fe_factorisations=1, fe_solutions=section.shape[2])
+    found_error = loads.from_section(section)
+    log.end_step("estimate")
+    return found_error
+
+
 def _load_vectors(
-    section: SectionStiffness,
-    mesh: SectorMesh | WholeMesh,
-    body_load: BodyLoad | None,
+    section: SectionStiffness, body: Body, body_load: BodyLoad | None
 ) -> dict[str, Floats]:
-    """Nodal loads (2N,) of a body load relative to the support, N per mm of width, by cause.
+    """Nodal loads (N, u) of a body load relative to the support, by cause.
 
     The displacement is e_s x plus the response to these loads with a fixed support. The stiffness
-    times the coordinates of the nodes is the load for a strain of 1 in the plane. Axial expansion
-    is free, also in plane strain.
+    times the coordinates of the nodes is the load for a strain of 1 in the section. Axial expansion
+    is free, also in plane strain and of a fixed bore.
     """
     loads: dict[str, Floats] = {}
     if body_load is None:
         return loads
+    assert body.mesh is not None
     if body_load.strain != body_load.held_strain:
-        loads["temperature"] = (body_load.strain - body_load.held_strain) * (
-            section.times(mesh.nodes)
-        )
+        evenly = section.in_section(body.mesh.nodes)
+        loads["temperature"] = (body_load.strain - body_load.held_strain) * section.times(evenly)
     if body_load.speed_rad_per_s > 0.0:
         pull = body_load.density_Ns2_per_mm4 * body_load.speed_rad_per_s**2
-        loads["speed"] = pull * centrifugal_load(mesh.nodes, mesh.cells)
+        loads["speed"] = pull * centrifugal_load(section, body.mesh.nodes, body.mesh.cells)
     return loads
 
 
-def _flank_expansion(
-    body: Body, body_load: BodyLoad | None, n_modes: int, moved: Mapping[str, Floats]
-) -> tuple[float, dict[str, Floats]]:
+def _expansion(job: Job, body_load: BodyLoad | None, moved: Mapping[str, Floats]) -> Expansion:
     """Uniform strain of a body, and the displacements of its flanks beyond it.
 
     Normal displacements do not describe the motion of a tip corner, which touches its mate
-    elsewhere. Therefore the strain that fits all flanks best, by least squares, scales the whole
-    body. `moved`: readings (f, p) of the modes on each of f flanks under each of `_load_vectors`,
-    pressure modes first, mm². Returns the strain, and mode coefficients (f, n_modes) by load, mm.
+    elsewhere. Therefore the strain that fits all flanks best, by least squares, scales the section
+    of the whole body. `moved`: readings (f, q) of the loads on each of f flanks under each of
+    `_load_vectors`, mm²; in three dimensions those on a coast flank follow.
     """
     if body_load is None:
-        return 0.0, {}
-    mesh, closed = body.mesh, body.curve.closed
+        return Expansion()
+    mesh, loads, p = job.body.mesh, job.loads, job.loads.count
+    held, along = body_load.held_strain, body_load.strain
     if mesh is None or not moved:
-        return body_load.held_strain, {}
-    span, tip = body.mode_range_mm, body.tip
-    read = [mode_loads(flank, span, n_modes, closed=closed, tip=tip) for flank in mesh.flanks]
-
-    def settled(moments: Floats) -> Floats:
-        return to_coefficients(moments.T, span, closed=closed, tip=tip).T
-
-    evenly = np.array([columns.T @ mesh.nodes.ravel() for columns in read])
-    unit = settled(evenly)
-    shifts = {name: settled(part[:, :n_modes]) for name, part in moved.items()}
-    square = float(np.sum(evenly * unit))
-    parts = {name: float(np.sum(evenly * shift)) / square for name, shift in shifts.items()}
+        return Expansion(held, axial_excess=along - held)
+    evenly = job.section.in_section(mesh.nodes)
+    read = [np.einsum("nuq,nu->q", loads.columns(flank)[..., :p], evenly) for flank in mesh.flanks]
+    unit = loads.coefficients(np.array(read))
+    shifts = {name: loads.coefficients(part[:, :p]) for name, part in moved.items()}
+    square = float(np.sum(np.array(read) * unit))
+    parts = {name: float(np.sum(np.array(read) * part)) / square for name, part in shifts.items()}
     left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
-    return body_load.held_strain + sum(parts.values()), left
+    strain = held + sum(parts.values())
+    return Expansion(strain, left, axial_excess=along - strain)

@@ -1,18 +1,19 @@
-"""Unit loads on the flanks of a body: pressure modes, or forces at nodes."""
+"""Unit loads on the flanks of a body (pressure modes, forces at nodes) and readings of it."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from flankload.bodies.free_corner import along_strengths, image_strengths
-from flankload.bodies.tip_modes import Tip
-from flankload.elasticity.compliance.contributions import NearField
+from flankload.elasticity.compliance.contributions import FlankModes, NearField, RootResponse
 from flankload.elasticity.near_field import (
     jump_strength,
     logarithm_strength,
+    mirrored_loads,
     mode_loads,
     projected_near_field,
     projected_sign,
@@ -23,12 +24,89 @@ from flankload.elasticity.nodal_loads import nodal_unit_loads
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh
+    from flankload.bodies.root_fillet import RootFillets
     from flankload.cost import Account
+    from flankload.elasticity.finite_elements import SectionStiffness
+
+#: Directions of unit loads.
+Along = Literal["normal", "tangent"]
+DIRECTIONS: tuple[Along, ...] = ("normal", "tangent")
+
+
+class FlankLoads(ABC):
+    """Normal unit loads on the flanks of a body, with friction followed by as many tangential ones.
+
+    Attributes
+    ----------
+    count : int
+        Number of normal loads of a flank.
+    functions_of_roots : int
+        Number of functions of z of the stress at a point of a root.
+    """
+
+    body: Body
+    count: int
+    friction: bool
+    functions_of_roots = 1
+
+    @property
+    @abstractmethod
+    def modes(self) -> FlankModes:
+        """Modes, or nodes, of the loads."""
+
+    @property
+    @abstractmethod
+    def near_field(self) -> NearField:
+        """Near field that the modes do not include."""
+
+    @abstractmethod
+    def columns(self, flank: SectorMesh | MeshedFlank) -> Floats:
+        """Loads (N, u, q) of a flank by node and unknown."""
+
+    def on_coast(self, mesh: SectorMesh) -> tuple[Floats, int]:
+        """Loads (N, u, q) on the coast flank of a sector, and the tooth of this flank."""
+        raise NotImplementedError
+
+    @abstractmethod
+    def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
+        """Subtract the near field from a response and convert it to mode coefficients, in place.
+
+        The response (k, q, q) consists of moments; `own`: indices of the responses of flanks to
+        their own loads.
+        """
+
+    def along_near(self) -> Floats | None:
+        """Near field of tangential loads for normal displacements (p, p), as mode coefficients."""
+        return None
+
+    def from_section(self, fe_error: Floats) -> Floats:
+        """Estimated error of the elements, from that of a plane section."""
+        return fe_error
+
+    @abstractmethod
+    def root_columns(self, fillets: RootFillets, flank: int, section: SectionStiffness) -> Floats:
+        """Columns (N, u, r) that read the stress in the roots of a flank's tooth."""
+
+    @abstractmethod
+    def roots(self, fillets: RootFillets, readings: Floats) -> RootResponse:
+        """Stress in the roots from the readings (k, r, q) under unit loads."""
+
+    @abstractmethod
+    def coefficients(self, moments: Floats) -> Floats:
+        """Mode coefficients from moments (k, r, …), along the second axis."""
+
+    def between(self, moments: Floats) -> Floats:
+        """Response (k, r, q) as a map between mode coefficients, from that between moments."""
+        return self.by_coefficients(self.coefficients(moments))
+
+    def by_coefficients(self, readings: Floats) -> Floats:
+        """Readings (k, r, q) under modes, from those under unit loads."""
+        return self.coefficients(readings.swapaxes(1, 2)).swapaxes(1, 2)
 
 
 @dataclass(frozen=True, eq=False)
-class ModeLoads:
-    """Pressure modes on the flanks of a body, with friction followed by as many tangential ones.
+class ModeLoads(FlankLoads):
+    """Pressure modes on the flanks of a plane body.
 
     Attributes
     ----------
@@ -42,8 +120,11 @@ class ModeLoads:
     plane: str
     friction: bool
 
-    #: None: no unit forces at nodes.
-    nodes = None
+    @property
+    def modes(self) -> FlankModes:
+        """Modes of the flank."""
+        body = self.body
+        return FlankModes(body.mode_range_mm, closed=body.curve.closed, tip=body.tip)
 
     @property
     def near_field(self) -> NearField:
@@ -56,17 +137,29 @@ class ModeLoads:
             wedge_along=along_strengths(body),
         )
 
-    @property
-    def tip(self) -> Tip | None:
-        """The tip, whose modes are the last ones and included in `count`."""
-        return self.body.tip
+    def columns(self, flank: SectorMesh | MeshedFlank) -> Floats:
+        """Loads (N, 2, q) of the modes, per mm of width."""
+        keys = {"closed": self.body.curve.closed, "tip": self.body.tip}
+        span, directions = self.body.mode_range_mm, DIRECTIONS[: 1 + self.friction]
+        found = [mode_loads(flank, span, self.count, along=each, **keys) for each in directions]
+        return np.hstack(found).reshape(len(flank.nodes), 2, -1)
 
-    def columns(
-        self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
-    ) -> Floats:
-        """Nodal forces (2 N, count) of the normal or tangential modes of a flank."""
-        span, closed = self.body.mode_range_mm, self.body.curve.closed
-        return mode_loads(flank, span, self.count, along=along, closed=closed, tip=self.tip)
+    def on_coast(self, mesh: SectorMesh) -> tuple[Floats, int]:
+        """Mirror images of the loads, and the tooth of the coast flank in a sector."""
+        assert self.body.involute is not None
+        loads = self.columns(mesh)
+        images, tooth = mirrored_loads(
+            mesh, loads.reshape(-1, loads.shape[2]), self.body.involute.turn_rad
+        )
+        return images.reshape(loads.shape), tooth
+
+    def root_columns(self, fillets: RootFillets, flank: int, section: SectionStiffness) -> Floats:
+        """Strain along the free surface times E, in plane strain E/(1 - nu²)."""
+        return _plane_stress(self.body, self.plane, fillets, flank, section)
+
+    def roots(self, fillets: RootFillets, readings: Floats) -> RootResponse:
+        """Stress under unit pressure modes."""
+        return RootResponse(fillets.points, readings)
 
     def coefficients(self, moments: Floats) -> Floats:
         """Mode coefficients from moments (k, r, …), along the second axis."""
@@ -79,13 +172,9 @@ class ModeLoads:
         return np.concatenate(found).swapaxes(0, 1)
 
     def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
-        """Subtract the near field from a response and convert it to mode coefficients, in place.
-
-        The response (k, p, p) consists of moments; `own`: indices of the responses of flanks to
-        their own loads.
-        """
+        """Subtract the logarithm, its images and the jump."""
         low, high = self.body.mode_range_mm
-        n, tip = self.count, self.tip
+        n, tip = self.count, self.body.tip
         behind = None if tip is None else tip.behind(low)
         closed, field = self.body.curve.closed, self.near_field
         near = projected_near_field(n, high - low, wedge=field.wedge, closed=closed, tip=behind)
@@ -98,15 +187,15 @@ class ModeLoads:
             response[own, n:, n:] += field.kernel * near
         response[:] = self.between(response)
 
-    def along_near(self) -> Floats:
-        """Near field of tangential loads for normal displacements (p, p), as mode coefficients."""
-        return self.between(self._along_near()[None])[0]
+    def along_near(self) -> Floats | None:
+        """Jump, and images behind free corners."""
+        return self.between(self._along_near()[None])[0] if self.friction else None
 
     def _along_near(self) -> Floats:
         """As `along_near`, moments: jump, and images behind free corners."""
         low, high = self.body.mode_range_mm
         n, field, length = self.count, self.near_field, high - low
-        tip = None if self.tip is None else self.tip.behind(low)
+        tip = None if self.body.tip is None else self.body.tip.behind(low)
         found = -field.jump * projected_sign(n, length, tip=tip)
         if any(field.wedge_along):
             near = projected_near_field(n, length, tip=tip)
@@ -114,21 +203,10 @@ class ModeLoads:
             found = found - field.kernel * (image - near)
         return np.asarray(found)
 
-    def between(self, moments: Floats) -> Floats:
-        """Response (k, r, p) as a map between mode coefficients, from that between moments."""
-        rows = self.coefficients(moments)
-        return self.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
-
-    def fe_error(self, fe_error: Floats) -> Floats:
-        """Estimated error of the normal displacements, as a map between mode coefficients."""
-        return self.between(fe_error[:, : self.count])
-
 
 @dataclass(frozen=True, eq=False)
-class NodeLoads:
-    """Unit forces at nodes, with friction followed by as many tangential ones.
-
-    The response includes the near field.
+class NodeLoads(FlankLoads):
+    """Unit forces at the nodes of a flank; the response includes the near field.
 
     Attributes
     ----------
@@ -140,30 +218,54 @@ class NodeLoads:
     body: Body
     nodes: Floats
     plane: str
-
-    #: None: no modes of a tip.
-    tip = None
+    friction: bool
 
     @property
-    def count(self) -> int:
+    def count(self) -> int:  # type: ignore[override]
         """Number of nodes of a flank."""
         return self.nodes.size
+
+    @property
+    def modes(self) -> FlankModes:
+        """The nodes, which replace modes."""
+        body = self.body
+        return FlankModes(body.mode_range_mm, closed=body.curve.closed, nodes=self.nodes)
 
     @property
     def near_field(self) -> NearField:
         """Strength of the logarithm, for the expected width of contacts."""
         return NearField(logarithm_strength(self.body.material, self.plane))
 
-    def columns(
-        self, flank: SectorMesh | MeshedFlank, along: Literal["normal", "tangent"]
-    ) -> Floats:
-        """Nodal forces (2 N, n) of the normal or tangential unit forces on a flank."""
-        return nodal_unit_loads(flank, self.nodes, along=along)
+    def columns(self, flank: SectorMesh | MeshedFlank) -> Floats:
+        """Loads (N, 2, q) of the unit forces, per mm of width."""
+        directions = DIRECTIONS[: 1 + self.friction]
+        found = [nodal_unit_loads(flank, self.nodes, along=each) for each in directions]
+        return np.hstack(found).reshape(len(flank.nodes), 2, -1)
 
-    def along_near(self) -> None:
-        """None: the response includes the near field."""
+    def root_columns(self, fillets: RootFillets, flank: int, section: SectionStiffness) -> Floats:
+        """Strain along the free surface times E, in plane strain E/(1 - nu²)."""
+        return _plane_stress(self.body, self.plane, fillets, flank, section)
+
+    def roots(self, fillets: RootFillets, readings: Floats) -> RootResponse:
+        """Stress under unit forces."""
+        return RootResponse(fillets.points, readings)
+
+    def coefficients(self, moments: Floats) -> Floats:
+        """The displacements at the nodes."""
+        return moments
 
     def subtract_near_field(self, response: Floats, own: Numbers, account: Account) -> None:
         """Count the unit forces; the response includes the near field and is unchanged."""
         assert self.body.mesh is not None
         account.count(unit_loads_nodal=response.shape[2] * len(self.body.mesh.flanks))
+
+
+def _plane_stress(
+    body: Body, plane: str, fillets: RootFillets, flank: int, section: SectionStiffness
+) -> Floats:
+    """Columns (N, 2, r) that read the stress in the roots of a plane body."""
+    modulus = body.material.young_modulus_MPa
+    if plane == "strain":
+        modulus /= 1 - body.material.poisson_ratio**2
+    strains = fillets.columns(flank, 2 * section.nodes)
+    return modulus * strains.reshape(section.nodes, 2, -1)

@@ -1,20 +1,20 @@
-"""Displacements of a whole mesh, or of equal sectors, under unit loads."""
+"""Response of the elements of a body to the loads of its flanks: a whole mesh, or equal sectors."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.compliance.contributions import RimResponse
-from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
+from flankload.base.blas_threads import one_blas_thread
+from flankload.elasticity.compliance.contributions import CoastCompliance, RimResponse, opposite
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.mean_motion import bore_reactions, resultants, rim_forces
-from flankload.elasticity.near_field import mirrored_loads
 from flankload.elasticity.sector_closure import (
-    condense,
+    condense_sector,
+    made_symmetric,
     uniform_response,
     unknowns_of,
 )
@@ -24,9 +24,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from flankload.base.arrays import Floats, Numbers
-    from flankload.bodies.body import Body, MeshedFlank, SectorMesh, WholeMesh
+    from flankload.bodies.body import Body, SectorMesh, WholeMesh
+    from flankload.elasticity.compliance.loads import FlankLoads
     from flankload.elasticity.finite_elements import SectionStiffness
     from flankload.elasticity.job_log import JobLog
+    from flankload.elasticity.prism.flexible_bore import FlexibleBore
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,39 +37,28 @@ class Job:
 
     Attributes
     ----------
-    stiffness : SectionStiffness
+    section : SectionStiffness
         That of its mesh.
-    friction : bool
-        Whether tangential loads follow the normal ones.
     readings : callable
-        Index of a flank -> columns (2N, q) for further readings of the displacements, by counter.
-    forces : (2N, k) array or None
+        Index of a flank -> further readings of the displacements by counter: columns (N, u, r), and
+        how many of them count as one.
+    forces : (N, u, k) array or None
         Vectors of body loads.
-    rim : bool
-        Whether a free rim is loaded and read.
+    coast_flanks, rim : bool
+        Whether coast flanks or a free rim are loaded and read.
+    bore : FlexibleBore or None
+        Bore that follows a shaft.
     """
 
     body: Body
-    stiffness: SectionStiffness
-    loads: ModeLoads | NodeLoads
-    friction: bool
-    readings: Callable[[int], dict[str, Floats]]
+    section: SectionStiffness
+    loads: FlankLoads
+    readings: Callable[[int], dict[str, tuple[Floats, int]]]
     forces: Floats | None
     log: JobLog
+    coast_flanks: bool = False
     rim: bool = False
-
-    def unit_loads(self, flank: SectorMesh | MeshedFlank) -> Floats:
-        """Normal unit loads (2N, p) of a flank, with friction followed by tangential ones."""
-        normal = self.loads.columns(flank, "normal")
-        if not self.friction:
-            return normal
-        return np.hstack([normal, self.loads.columns(flank, "tangent")])
-
-    @property
-    def no_forces(self) -> Floats:
-        """Empty response (0, k, p) to body loads."""
-        known = 0 if self.forces is None else self.forces.shape[1]
-        return np.zeros((0, known, self.loads.count))
+    bore: FlexibleBore | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,15 +67,14 @@ class Response:
 
     Attributes
     ----------
-    response : (k, r, p) array
+    response : (k, r, q) array
         By blocks as in `BodyCompliance.smooth`, with further readings in the rows below.
     own, across : arrays
         Blocks of flanks under their own loads; for each block, that with load and reading
         exchanged.
-    by_force : (f, k, p) array
+    by_force : (f, k, q) array
         Readings by the unit loads of each flank under each body load.
-    coast : (z, n, p) array or None
-        Response of the coast flanks, as coefficients.
+    coast : CoastCompliance or None
     rim : RimResponse or None
     """
 
@@ -94,7 +84,7 @@ class Response:
     by_force: Floats
     degrees_of_freedom: int
     flanks: tuple[int, ...] = ()
-    coast: Floats | None = None
+    coast: CoastCompliance | None = None
     rim: RimResponse | None = None
 
 
@@ -102,120 +92,138 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
     """Response of a whole mesh with f flanks; response[i * f + j]: flank i, loads on flank j."""
     log, size = job.log, len(mesh.nodes)
     log.end_step("assembly")
-    loads = [job.unit_loads(flank) for flank in mesh.flanks]
-    further = [list(job.readings(i).values()) for i in range(len(loads))]
-    f, p, forces = len(loads), loads[0].shape[1], job.forces
-    columns = np.hstack(loads)
-    log.account.count(fe_solutions=columns.shape[1])
-    log.count_loads(f * p, friction=job.friction)
+    loads = [job.loads.columns(flank) for flank in mesh.flanks]
+    further = [[part for part, _ in job.readings(i).values()] for i in range(len(loads))]
+    f, p, forces = len(loads), loads[0].shape[2], job.forces
+    columns = np.concatenate(loads, axis=2)
+    log.account.count(fe_solutions=f * p)
+    log.count_loads(f * p, friction=job.loads.friction)
     recovery = Recovery() if log.estimates or further[0] or forces is not None else None
-    by_node = columns.reshape(size, 2, -1)
-    sector = condense_nodes(job.stiffness, mesh, by_node, account=log.account, recovery=recovery)
+    sector = condense_nodes(job.section, mesh, columns, account=log.account, recovery=recovery)
     log.end_step("factorisation")
-    response = np.empty((f, f, p + sum(part.shape[1] for part in further[0]), p))
+    response = np.empty((f, f, p + sum(part.shape[2] for part in further[0]), p))
     response[:, :, :p] = sector.local[0].reshape(f, p, f, p).swapaxes(1, 2)
-    by_force = np.zeros((f, 0 if forces is None else forces.shape[1], p))
+    by_force = np.zeros((f, 0 if forces is None else forces.shape[2], p))
     if forces is not None:
-        log.account.count(fe_solutions=forces.shape[1], fe_load_cases_growth=forces.shape[1])
+        count = forces.shape[2]
+        log.account.count(fe_solutions=count, fe_load_cases_growth=count)
     if recovery is not None:
         for j in range(f):
             moved = recovery.under_loads(size, j * p, (j + 1) * p).reshape(-1, p)
             log.solution(moved)
             for i, parts in enumerate(further):
                 if parts:
-                    response[i, j, p:] = np.concatenate([part.T @ moved for part in parts])
+                    response[i, j, p:] = np.concatenate(
+                        [_by_unknown(part).T @ moved for part in parts]
+                    )
             if forces is not None:
-                by_force[j] = forces.T @ moved
+                by_force[j] = _by_unknown(forces).T @ moved
     log.end_step("solution")
     return Response(
         response.reshape(f * f, -1, p),
         own=np.arange(f) * (f + 1),
         across=np.arange(f * f).reshape(f, f).T.ravel(),
         by_force=by_force,
-        degrees_of_freedom=unknowns_of(mesh),
+        degrees_of_freedom=unknowns_of(mesh, per_node=job.section.unknowns),
         flanks=tuple(flank.tooth for flank in mesh.flanks),
     )
 
 
-def of_sector(job: Job, mesh: SectorMesh, sectors: int | None, *, coast_flanks: bool) -> Response:
-    """Response of a body of equal sectors.
-
-    `sectors`: as of `teeth_response`.
-    """
-    log, loads = job.log, job.unit_loads(mesh)
-    readings, tooth, across, rim = {}, 0, None, None
-    modes = loads.shape[1]
-    if coast_flanks:
-        assert job.body.involute is not None
-        normal, turn_rad = loads[:, : job.loads.count], job.body.involute.turn_rad
-        columns, tooth = mirrored_loads(mesh, normal, turn_rad)
-        readings["coast_readings"] = columns
+def of_sector(job: Job, mesh: SectorMesh, sectors: int | None) -> Response:
+    """Response of a body of equal sectors; `sectors`: as of `teeth_response`."""
+    log, held, section = job.log, sectors == 1, job.section
+    own = job.loads.columns(mesh)
+    q, tooth, loads = own.shape[2], 0, [own]
+    if job.coast_flanks:
+        images, tooth = job.loads.on_coast(mesh)
+        loads.append(images)
+        log.account.count(coast_readings=q, fe_solutions=q)
     if job.rim:
-        loads = np.hstack([loads, rim_forces(mesh)[0]])
+        forces, _ = rim_forces(mesh)
+        loads.append(forces.reshape(section.nodes, section.unknowns, -1))
+    flanks = q + (loads[-1].shape[2] if job.rim else 0)
+    count = sum(part.shape[2] for part in loads)
+    if job.bore is not None:
+        loads.append(job.bore.columns)
+        # the bore is the difference of large stiffnesses, in which rounding of an image would count
+        section = replace(section, halved=False)
     log.end_step("assembly")
-    readings |= job.readings(0)
-    log.count_loads(loads.shape[1], friction=job.friction)
-    by_force = job.no_forces
-    if sectors == 1:
-        sector, free = condense(job.stiffness, loads, mesh, readings, log, held=True)
-    else:
-        if job.forces is not None:
-            readings["fe_load_cases_growth"] = job.forces
-        reactions = None
-        if mesh.has_free_bore:
-            modulus = job.body.material.young_modulus_MPa
-            reactions = bore_reactions(mesh, job.stiffness, modulus)
-        sector, free = condense(job.stiffness, loads, mesh, readings, log, reactions)
-        if job.forces is not None:
-            by_force = uniform_response(sector, mesh.teeth)[None, -job.forces.shape[1] :]
-    response = teeth_response(sector, mesh.teeth, sectors)
-    if job.rim:
-        assert isinstance(job.loads, ModeLoads)
-        response, rim = _split_rim(response, job.loads, mesh, loads, modes)
-    if coast_flanks:
-        assert isinstance(job.loads, ModeLoads)
-        response, across = _split_coast(response, job.loads, tooth)
+    log.account.count(fe_solutions=flanks)
+    log.count_loads(flanks, friction=job.loads.friction)
+    readings = job.readings(0)
+    growth = 0 if held or job.forces is None else job.forces.shape[2]
+    if growth:
+        assert job.forces is not None
+        readings["fe_load_cases_growth"] = job.forces, 1
+    reactions = None
+    if not held:
+        reactions = bore_reactions(mesh, section, job.body.material.young_modulus_MPa)
+        log.account.count(bore_reactions=reactions.shape[2], fe_solutions=reactions.shape[2])
+        for name, (part, each) in readings.items():
+            columns = part.shape[2]
+            log.account.count(fe_solutions=columns, **{name: columns // each})
+    parts = [part for part, _ in readings.values()]
+    sector = condense_sector(
+        section, mesh, np.concatenate(loads, axis=2), parts, log, reactions, held=held
+    )
+    # most matrices are too small for several threads
+    with one_blas_thread():
+        if job.bore is None:
+            response = teeth_response(sector, mesh.teeth, sectors)
+        else:
+            response = job.bore.close_ring(sector)
+    by_force = np.zeros((0, growth, q))
+    if growth:
+        of_ring = uniform_response(sector, mesh.teeth) if job.bore is None else response.sum(axis=0)
+        by_force = of_ring[None, -growth:, :q]
+    log.end_step("ring")
+    rows = np.append(np.arange(q), np.arange(count, response.shape[1]))
     return Response(
-        response,
+        response[:, rows, :q],
         own=np.zeros(1, dtype=np.int64),
-        across=-np.arange(mesh.teeth) % mesh.teeth,
+        across=opposite(mesh.teeth),
         by_force=by_force,
-        degrees_of_freedom=free,
-        coast=across,
-        rim=rim,
+        degrees_of_freedom=unknowns_of(mesh, held=held, per_node=section.unknowns),
+        coast=_coast(job, response, q, tooth) if job.coast_flanks else None,
+        rim=_rim(job, mesh, response, loads) if job.rim else None,
     )
 
 
-def _split_rim(
-    response: Floats, modes: ModeLoads, mesh: SectorMesh, loads: Floats, count: int
-) -> tuple[Floats, RimResponse]:
-    """Response (z, r - 2, count) without the forces on the rim, which follow the modes."""
-    rim, n = slice(count, count + 2), modes.count
-    moments = resultants(mesh.nodes, loads)
+def _by_unknown(columns: Floats) -> Floats:
+    """Columns (N, u, r) as (N u, r)."""
+    return columns.reshape(-1, columns.shape[2])
 
-    def by_coefficients(rows: Floats) -> Floats:
-        return modes.coefficients(rows.swapaxes(1, 2)).swapaxes(1, 2)
 
-    found = RimResponse(
-        by_modes=by_coefficients(response[:, rim, :n]),
+def _rim(job: Job, mesh: SectorMesh, response: Floats, loads: list[Floats]) -> RimResponse:
+    """Displacements of a rim from the response to loads on the flank, then the forces on it."""
+    modes, n = job.loads, job.loads.count
+    rim = slice(loads[0].shape[2], loads[0].shape[2] + loads[1].shape[2])
+    moments, forces = (resultants(mesh.nodes, _by_unknown(part)) for part in loads[:2])
+    return RimResponse(
+        by_modes=modes.by_coefficients(response[:, rim, :n]),
         by_forces=response[:, rim, rim],
-        modes=by_coefficients(moments[None, :, :n])[0],
-        forces=moments[:, rim],
+        modes=modes.by_coefficients(moments[None, :, :n])[0],
+        forces=forces,
         middle_rad=rim_forces(mesh)[1],
     )
-    return np.delete(response, rim, axis=1)[..., :count], found
 
 
-def _split_coast(response: Floats, modes: ModeLoads, tooth: int) -> tuple[Floats, Floats]:
-    """Response (z, r - n, p) without the readings of the coast flank, and the latter (z, n, p).
-
-    In the response, these follow the readings of the working flank; `tooth`: tooth of the coast
-    flank. They are returned as the map from mode coefficients of loads on the working flank of
-    tooth 0 to those of displacements on the coast flank of tooth t.
+def _coast(job: Job, response: Floats, q: int, tooth: int) -> CoastCompliance:
+    """Response of coast flanks from that to q loads on the working flank, then those on the coast
+    flank, which belongs to `tooth`.
     """
-    first, n = response.shape[2], modes.count
-    cross_compliance = modes.between(np.roll(response[:, first : first + n], tooth, axis=0))
-    # symmetric by reciprocity (Betti) and mirror symmetry of both flanks
-    pressures = cross_compliance[..., :n]
-    cross_compliance[..., :n] = 0.5 * (pressures + pressures.transpose(0, 2, 1))
-    return np.delete(response, slice(first, first + n), axis=1), cross_compliance
+    loads, p, back = job.loads, job.loads.count, opposite(len(response))
+    across = loads.between(np.roll(response[:, q : 2 * q, :q], tooth, axis=0))
+    returned = loads.between(np.roll(response[:, :q, q : 2 * q], -tooth, axis=0))
+    # equal by reciprocity (Betti)
+    across = 0.5 * (across + returned[back].transpose(0, 2, 1))
+    signs = loads.modes.mirror_signs(q)
+    between = signs[:, None] * response[:, q : 2 * q, q : 2 * q] * signs
+    loads.subtract_near_field(between, np.zeros(1, dtype=np.int64), job.log.account)
+    between, _ = made_symmetric(between, back)
+    blocks = [across, across[back].transpose(0, 2, 1), signs[:, None] * between * signs]
+    both = np.concatenate(blocks)[:, :p]
+    return CoastCompliance(
+        np.ascontiguousarray(both[..., :p]),
+        np.ascontiguousarray(both[..., p:]) if loads.friction else None,
+    )

@@ -32,12 +32,10 @@ from flankload.elasticity.sector_closure import Harmonics, close_ring
 from flankload.elasticity.shape_functions import block_basis
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from flankload.base.arrays import Complexes, Floats
     from flankload.bodies.body import SectorMesh
     from flankload.bodies.shaft import FlexibleShaft
-    from flankload.elasticity.axial_basis import AxialBasis, AxialFunctions
+    from flankload.elasticity.axial_basis import AxialBasis
     from flankload.elasticity.condensed_sector import CondensedSector
     from flankload.elasticity.finite_elements import SectionStiffness
 
@@ -81,9 +79,8 @@ class FlexibleBore:
         shaft: FlexibleShaft,
         section: SectionStiffness,
         mesh: SectorMesh,
-        regions: Sequence[int] = (),
     ) -> FlexibleBore:
-        """The bore of a sector; `regions` as in `section_stiffness`."""
+        """The bore of a sector."""
         functions = section.functions
         bases, of_node = functions.of_nodes(np.arange(len(mesh.nodes)))
         basis = bases[of_node[mesh.fixed_nodes[0]]]  # the bore belongs to one region
@@ -95,7 +92,7 @@ class FlexibleBore:
         at_ends = basis.values(np.array(basis.range_mm))[:, : degree + 1]
         all_ends, parts = [], []
         for end, place in enumerate(basis.range_mm):
-            faces, shares = _face_loads(shaft, mesh, motions, regions, functions, end)
+            faces, shares = _face_loads(shaft, mesh, motions, section, end)
             on_bore = np.einsum("ncm,nco->mo", faces, of_bore) + np.diag(shares / mesh.teeth)
             parts.append(np.einsum("mo,d->mdo", on_bore, at_ends[end]).reshape(MOTIONS, -1))
             along = np.concatenate([part.values(np.array([place])) for part in bases])[of_node]
@@ -227,8 +224,7 @@ def _face_loads(
     shaft: FlexibleShaft,
     mesh: SectorMesh,
     motions: Floats,
-    regions: Sequence[int],
-    functions: AxialFunctions,
+    section: SectionStiffness,
     end: int,
 ) -> tuple[Floats, Floats]:
     """Connection of the shaft beyond an end to the end face around the bore, and to the beam.
@@ -240,8 +236,8 @@ def _face_loads(
     loads = np.zeros_like(motions)
     if outer <= bore:
         return loads, np.ones(MOTIONS)
-    bases, _ = functions.of_nodes(mesh.fixed_nodes)
-    for number, (kind, cells) in zip(regions or [0] * len(mesh.cells), mesh.cells, strict=True):
+    bases, _ = section.functions.of_nodes(mesh.fixed_nodes)
+    for number, (kind, cells) in zip(section.region_of_cells, mesh.cells, strict=True):
         if bases[number].range_mm[end] != shaft.range_mm[end]:
             continue
         basis = block_basis(mesh.nodes, kind, cells, FACE_DEGREE)

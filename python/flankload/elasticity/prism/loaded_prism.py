@@ -208,13 +208,13 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
     body = body.for_elements()
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
-    section, regions = prism.section(mesh, body.material)
+    section = prism.section(mesh, body.material)
     reactions = bore_reactions(mesh, section, body.material.young_modulus_MPa)
     ring = RecoveredRing.of(section, mesh, reactions)
     nodes, whole, numbers = ring_of(mesh)
     basis_of = np.empty(len(nodes), dtype=np.int64)
     bases, basis_of[numbers] = section.functions.of_nodes(np.arange(len(mesh.nodes)))
-    parts = _parts(whole, regions, bases)
+    parts = _parts(whole, section.region_of_cells, bases)
     return LoadedPrism(body, prism, nodes, numbers, basis_of, parts, ring)
 
 

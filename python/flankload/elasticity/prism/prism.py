@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Material, SectorMesh
     from flankload.bodies.shaft import FlexibleShaft
     from flankload.elasticity.finite_elements import SectionStiffness
+    from flankload.elasticity.prism.flexible_bore import FlexibleBore
 
 #: Components of a displacement.
 COMPONENTS = 3
@@ -42,8 +43,6 @@ class Prism:
         Axial ranges of regions of the mesh that differ from `range_mm`, by name.
     shaft : FlexibleShaft or None
         Shaft that the bore follows; None: fixed bore.
-    sectors : int or None
-        Elastic sectors of the body, as of `teeth_response`; all on a shaft that the bore follows.
     """
 
     range_mm: tuple[float, float]
@@ -53,21 +52,26 @@ class Prism:
     cut_degree: int = 4
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
     shaft: FlexibleShaft | None = None
-    sectors: int | None = None
 
     @property
     def axial(self) -> AxialBasis:
         """Functions of z over the width."""
         return AxialBasis(self.range_mm, self.degree)
 
-    def section(
-        self, mesh: SectorMesh, material: Material
-    ) -> tuple[SectionStiffness, tuple[int, ...]]:
-        """Stiffness of a sector, and the region of each entry of its cells."""
+    def section(self, mesh: SectorMesh, material: Material) -> SectionStiffness:
+        """Stiffness of a sector."""
         regions, functions = functions_of(mesh, self.axial, dict(self.regions))
         section = section_stiffness(mesh.nodes, mesh.cells, material, self.twist, regions)
         cut_degree = min(self.cut_degree, self.degree)
-        return replace(section, functions=functions, cut_degree=cut_degree), regions
+        return replace(section, functions=functions, cut_degree=cut_degree)
+
+    def bore(self, section: SectionStiffness, mesh: SectorMesh) -> FlexibleBore | None:
+        """The bore that follows the shaft; None if it is fixed or free."""
+        if self.shaft is None or mesh.has_free_bore:
+            return None
+        from flankload.elasticity.prism.flexible_bore import FlexibleBore
+
+        return FlexibleBore.of(self.shaft, section, mesh)
 
     def check(self) -> None:
         """Raise a SceneError for an invalid width or load degree."""

@@ -7,7 +7,7 @@ so every run can have a prediction.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flankload.analysis.estimate import n_sweeps
@@ -16,7 +16,7 @@ from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance.tip_force import has_turned_forces
-from flankload.elasticity.condensed_sector import IN_PLANE
+from flankload.elasticity.condensed_sector import AXIAL_MOTIONS, IN_PLANE
 from flankload.elasticity.sector_closure import unknowns_of
 from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of
 from flankload.mechanisms.stage_clock import elements_stage
@@ -26,11 +26,10 @@ from flankload.scene.effects import work_in
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.bodies import Body
     from flankload.mechanisms.elements import ElasticBodies
-    from flankload.pairing.body_pair import BodyJob, BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
-    from flankload.scene.effects import Effects, Work
+    from flankload.scene.effects import Effects
 
 #: Bytes of a number.
 WORD = 8
@@ -80,64 +79,44 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         modes = with_tip(modes)
     fillets = job.fillets
     places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
-    if pair.effects.three_dimensions:
-        estimated = scene.accuracy.estimate and _is_estimated(pair, z)
-        degrees = degrees_of(scene.accuracy)
-        found = _prism(body, work, modes, degrees, estimated)
-        assert isinstance(body.mesh, SectorMesh)
-        held, per_node = pair.effects.single_tooth, 3 * (degrees[0] + 1)
-        found["fe_unknowns"] = unknowns_of(body.mesh, held=held, per_node=per_node)
-        found["stress_recoveries"] = recovered = places if work.recoveries else 0
-        counted = _without_unasked(found, pair.effects)
-        stored = _prism_bytes(body, counted, recovered * (degrees[0] + 1))
-        return found | {"bytes": stored + _coast_bytes(body, job, counted["unit_loads_normal"])}
-    # a sharp tip moves along the flank, too
-    corners = not pair.effects.nodal_near_field and has_turned_forces(body)
     if body.mesh is None:
         return _solved(0, 0, 0)
+    spatial, nodal = pair.effects.three_dimensions, pair.effects.nodal_near_field
+    degrees = degrees_of(scene.accuracy) if spatial else (0, 0)
+    columns = _Columns(
+        of_profile=tuple(
+            round(part) * modes for part in (work.normal_loads, work.tangential_loads)
+        ),
+        degrees=degrees,
+        growth=growth,
+        places=places if work.recoveries or not spatial else 0,
+        coast=round(work.coast_readings),
+        # a sharp tip moves along the flank, too
+        corners=int(not spatial and not nodal and has_turned_forces(body)),
+        rim=RIM_LOADS if job.rim else 0,
+    )
     tooth = pair.effects.single_tooth
-    rim = RIM_LOADS if job.rim else 0
-    counts = modes, growth, places
-    found = _plane(body.mesh, work, *counts, corners=int(corners), rim=rim, tooth=tooth)
-    found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth)
+    factorisations = round(work.factorisations)
+    if spatial:  # with a plane of symmetry two parts of half the size
+        factorisations = 2 if body.axial.symmetric else 1
+    found = columns.work(body.mesh, factorisations, spatial=spatial, tooth=tooth)
+    if spatial and scene.accuracy.estimate and _is_estimated(pair, z):  # of the plane section
+        found["fe_factorisations"] += 1
+        found["fe_solutions"] += sum(columns.of_profile)
+    per_node = (3 if spatial else 2) * (degrees[0] + 1)
+    found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth, per_node=per_node)
     counted = _without_unasked(found, pair.effects)
     if job.rim:  # its response is part of larger arrays
         return found
-    held = _plane_bytes(body.mesh, counted, places, corners=int(corners))
-    held += _coast_bytes(body, job, modes)
-    return found | {"bytes": held + (0 if fillets is None else held_bytes(fillets.points))}
+    along = pair.effects.friction and pair.effects.finite_influence
+    held = columns.bytes(body.mesh, counted, along=along)
+    points = 0 if spatial or fillets is None else held_bytes(fillets.points)
+    return found | {"bytes": held + points}
 
 
 def _without_unasked(counted: dict[str, int], effects: Effects) -> dict[str, int]:
     """Counters without the tangential loads of modified flanks, whose responses are not held."""
     return counted if asks_tangential(effects) else counted | {"unit_loads_tangential": 0}
-
-
-def _plane_bytes(
-    mesh: SectorMesh | WholeMesh, counted: Mapping[str, int], places: int, *, corners: int
-) -> int:
-    """Bytes of the compliance of a plane body."""
-    flanks = len(mesh.flanks)
-    blocks = mesh.teeth if isinstance(mesh, SectorMesh) else flanks**2
-    normal, tangential = (counted[f"unit_loads_{each}"] for each in ("normal", "tangential"))
-    response = (normal + tangential) // flanks
-    # the stresses are part of an array with the readings of the tip
-    stressed = response + places + corners if places else 0
-    return WORD * blocks * (response * (response + stressed) + corners * (normal // flanks))
-
-
-def _prism_bytes(body: Body, counted: Mapping[str, int], recovered: int) -> int:
-    """Bytes of the compliance of a three-dimensional body."""
-    assert isinstance(body.mesh, SectorMesh)
-    normal, tangential = (counted[f"unit_loads_{each}"] for each in ("normal", "tangential"))
-    return WORD * body.mesh.teeth * normal * (normal + tangential + recovered)
-
-
-def _coast_bytes(body: Body, job: BodyJob, loads: int) -> int:
-    """Bytes of the responses between working and coast flanks and among coast flanks."""
-    if not job.coast_flanks or not isinstance(body.mesh, SectorMesh):
-        return 0
-    return WORD * 3 * body.mesh.teeth * loads**2
 
 
 def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
@@ -154,57 +133,72 @@ def _is_estimated(pair: ElasticBodies, z: int) -> bool:
     return elastic and not pair.effects.nodal_near_field
 
 
-def _plane(
-    mesh: SectorMesh | WholeMesh,
-    work: Work,
-    modes: int,
-    growth: int,
-    places: int,
-    *,
-    corners: int,
-    rim: int,
-    tooth: bool,
-) -> dict[str, int]:
-    """Work of a plane mesh; `tooth`: with fixed cuts.
+@dataclass(frozen=True)
+class _Columns:
+    """Loads and readings of the elements of a body.
 
-    Without cuts or with fixed ones, readings come from the solutions of the load cases.
+    Attributes
+    ----------
+    of_profile : (int, int)
+        Normal and tangential loads of a flank, each over all of the width.
+    degrees : (int, int)
+        Degrees of displacements and loads along the axis; 0 in the plane.
+    growth, places : int
+        Body loads, and places of stress.
+    coast, corners : int
+        1 with coast flanks, and with a sharp tip.
+    rim : int
+        Loads of a rim.
     """
-    flanks = len(mesh.flanks)
-    normal, tangential = (round(part) * modes * flanks for part in _loads(work))
-    factorisations = round(work.factorisations)
-    if tooth or not isinstance(mesh, SectorMesh):
-        return _solved(factorisations, normal, tangential, fe_load_cases_growth=growth)
-    return _solved(
-        factorisations,
-        normal + rim,
-        tangential,
-        fe_load_cases_growth=growth,
-        bore_reactions=IN_PLANE.size if mesh.has_free_bore else 0,
-        stress_recoveries=round(work.recoveries) * places,
-        coast_readings=round(work.coast_readings) * modes,
-        corner_readings=corners,
-    )
 
+    of_profile: tuple[int, ...]
+    degrees: tuple[int, int]
+    growth: int
+    places: int
+    coast: int
+    corners: int
+    rim: int
 
-def _prism(
-    body: Body, work: Work, modes: int, degrees: tuple[int, int], estimated: bool
-) -> dict[str, int]:
-    """Work of a three-dimensional sector; with a plane of symmetry two parts of half the size.
+    def work(
+        self, mesh: SectorMesh | WholeMesh, factorisations: int, *, spatial: bool, tooth: bool
+    ) -> dict[str, int]:
+        """Counters of the elements; `tooth`: with fixed cuts.
 
-    An estimate of the error of its elements is one of the plane section.
-    """
-    _, load_degree = degrees
-    of_profile = [round(part) * modes for part in _loads(work)]
-    normal, tangential = (part * (load_degree + 1) for part in of_profile)
-    factorisations = (2 if body.axial.symmetric else 1) + estimated
-    coast = round(work.coast_readings) * (normal + tangential)
-    found = _solved(factorisations, normal, tangential, coast_readings=coast)
-    found["fe_solutions"] += sum(of_profile) * estimated
-    return found
+        Without cuts or with fixed ones, readings come from the solutions of the load cases.
+        """
+        along = self.degrees[1] + 1
+        normal, tangential = (part * along * len(mesh.flanks) for part in self.of_profile)
+        if not isinstance(mesh, SectorMesh):
+            return _solved(factorisations, normal, tangential, fe_load_cases_growth=self.growth)
+        coast = self.coast * (normal + tangential)
+        if tooth:
+            return _solved(factorisations, normal, tangential, coast_readings=coast)
+        found = _solved(
+            factorisations,
+            normal + self.rim,
+            tangential,
+            fe_load_cases_growth=self.growth,
+            bore_reactions=mesh.has_free_bore * (len(AXIAL_MOTIONS) if spatial else IN_PLANE.size),
+            stress_recoveries=self.places,
+            coast_readings=coast,
+            corner_readings=self.corners,
+        )
+        found["fe_solutions"] += self.places * self.degrees[0]  # one for each function of z
+        return found
 
-
-def _loads(work: Work) -> tuple[float, float]:
-    return work.normal_loads, work.tangential_loads
+    def bytes(
+        self, mesh: SectorMesh | WholeMesh, counted: Mapping[str, int], *, along: bool
+    ) -> int:
+        """Bytes of the compliance of a body, with tangential loads that are held if counted."""
+        flanks = len(mesh.flanks)
+        blocks = mesh.teeth if isinstance(mesh, SectorMesh) else flanks**2
+        normal, tangential = (
+            counted[f"unit_loads_{each}"] // flanks for each in ("normal", "tangential")
+        )
+        both = normal + tangential
+        own = normal * both + along * tangential**2
+        own += self.places * (self.degrees[0] + 1) * both + self.corners * normal
+        return WORD * blocks * (own + 3 * self.coast * normal * both)
 
 
 def _solved(factorisations: int, normal: int, tangential: int, **further: int) -> dict[str, int]:

@@ -48,12 +48,13 @@ def with_compliance_period(scene: Scene, pair: BodyPair, compliances: Compliance
 
 def expanded_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, Compliances]:
     """Apply the expansion of whole bodies to both; later stages are independent of its origin."""
-    if not any(compliance.expansion.strain for compliance in compliances):
+    first, second = (compliance.expansion for compliance in compliances)
+    if not any((first.strain, first.axial_strain, second.strain, second.axial_strain)):
         return pair, compliances
     one, two = compliances
-    strains = one.expansion.strain, two.expansion.strain
+    strains = first.axial_strain, second.axial_strain
     slices = expanded_slices(pair.slices, pair.bodies, strains)
-    bodies = expanded(pair.body_1, strains[0]), expanded(pair.body_2, strains[1])
+    bodies = expanded(pair.body_1, first), expanded(pair.body_2, second)
     return replace(pair, bodies=bodies, slices=slices), (one.expanded(), two.expanded())
 
 

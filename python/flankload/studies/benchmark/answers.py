@@ -14,7 +14,8 @@ from flankload.base.arguments import is_number
 from flankload.base.files import read_file
 from flankload.contact import ContactState, solve_contact, solve_contact_general
 from flankload.elasticity.axial_basis import mode_norms_z
-from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.compliance import JobOptions, flank_compliance
+from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.flank_potential import projected_potential
 from flankload.errors import SceneError, reason_of
 from flankload.mechanisms.registry import mechanism_of
@@ -197,7 +198,8 @@ def _compliance(case: Case, folder: Path) -> Value:
     width, helix = inputs["face_width_mm"], radians(inputs["helix_angle_deg"])
     pitch_radius = 0.5 * inputs["module_mm"] * inputs["teeth"]
     prism = Prism((-0.5 * width, 0.5 * width), tan(helix) / pitch_radius)
-    found, surface = prism_compliance(body, prism, n_modes=MODES_S), flank_surface(body, prism)
+    found = flank_compliance(body, JobOptions(n_modes=MODES_S, prism=prism))
+    surface = flank_surface(body, prism)
     response = found.smooth.copy()
     norms = np.kron(np.diag(surface.products(MODES_S)), mode_norms_z(width, MODES_Z - 1))
     near = 0.5 * found.near.kernel * projected_potential(surface, MODES_S, MODES_Z - 1)

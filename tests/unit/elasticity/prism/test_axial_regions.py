@@ -18,11 +18,11 @@ from flankload.elasticity.axial_basis import (
     cross_terms,
     functions_of,
 )
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import SectionStiffness, section_stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.elasticity.prism import Prism
 from flankload.elasticity.sector_closure import close_ring
 from tests.support.plain_prism import product_loads, unknowns, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
@@ -189,7 +189,7 @@ def test_the_response_is_positive_definite() -> None:
 
 @cache
 def _found(prism: Prism = COARSE, **keys) -> BodyCompliance:
-    return prism_compliance(WEBBED, replace(prism, **keys), n_modes=3)
+    return flank_compliance(WEBBED, JobOptions(n_modes=3, prism=replace(prism, **keys)))
 
 
 def _close(one: np.ndarray, two: np.ndarray, part: float) -> None:

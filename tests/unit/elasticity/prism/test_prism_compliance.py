@@ -10,9 +10,9 @@ import pytest
 
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity.compliance import BodyCompliance
+from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import logarithm_strength, mode_values
-from flankload.elasticity.prism import Prism, flank_surface, prism_compliance
+from flankload.elasticity.prism import Prism, flank_surface
 from flankload.errors import SceneError
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear, ring
@@ -28,7 +28,7 @@ QUADRATURE = 1e-5
 
 @cache
 def _found(prism: Prism = COARSE, **keys) -> BodyCompliance:
-    return prism_compliance(BODY, replace(prism, **keys), n_modes=3)
+    return flank_compliance(BODY, JobOptions(n_modes=3, prism=replace(prism, **keys)))
 
 
 def _close(one: np.ndarray, two: np.ndarray, part: float) -> None:
@@ -111,8 +111,8 @@ ROUNDED = build_involute_body(gear(tip_radius_mm=0.3), "body_1", flank_element_m
 
 @pytest.mark.parametrize("twist", [0.0, TWIST])
 def test_a_rounded_tip_has_two_modes_of_its_own(twist: float) -> None:
-    right = prism_compliance(ROUNDED, replace(COARSE, twist=twist), n_modes=3)
-    left = prism_compliance(ROUNDED, replace(COARSE, twist=-twist), n_modes=3)
+    right = flank_compliance(ROUNDED, JobOptions(n_modes=3, prism=replace(COARSE, twist=twist)))
+    left = flank_compliance(ROUNDED, JobOptions(n_modes=3, prism=replace(COARSE, twist=-twist)))
     assert right.modes.tip == ROUNDED.tip
     assert right.job.asymmetry < ROUND_OFF
     assert right.smooth.shape == (16, 15, 15)
@@ -134,7 +134,7 @@ def test_a_rounded_tip_has_two_modes_of_its_own(twist: float) -> None:
 
 
 def test_fewer_modes_beside_a_tip_keep_those_along_the_axis() -> None:
-    found = prism_compliance(ROUNDED, COARSE, n_modes=3)
+    found = flank_compliance(ROUNDED, JobOptions(n_modes=3, prism=COARSE))
     fewer = found.fewer_modes()
     assert fewer.smooth.shape == (16, 12, 12)
     by_degree = fewer.smooth.reshape(16, 4, 3, 4, 3)
@@ -147,26 +147,26 @@ def test_a_whole_mesh_is_refused() -> None:
     assert isinstance(mesh, SectorMesh)
     whole = WholeMesh(mesh.nodes, mesh.cells, mesh.fixed_nodes, ())
     with pytest.raises(SceneError, match="expected a body of equal sectors in three dimensions"):
-        prism_compliance(replace(BODY, mesh=whole), COARSE, n_modes=3)
+        flank_compliance(replace(BODY, mesh=whole), JobOptions(n_modes=3, prism=COARSE))
 
 
 def test_a_rigid_body_has_no_compliance() -> None:
-    found = prism_compliance(replace(BODY, rigid=True), COARSE, n_modes=3)
+    found = flank_compliance(replace(BODY, rigid=True), JobOptions(n_modes=3, prism=COARSE))
     assert found.is_rigid
 
 
 def test_internal_teeth_are_elastic_as_well() -> None:
     body = build_involute_body(ring(), "body_2", flank_element_mm=1.5)
-    found = prism_compliance(body, Prism((0.0, 20.0), 0.002, 6, 2, 3), n_modes=3)
+    found = flank_compliance(body, JobOptions(n_modes=3, prism=Prism((0.0, 20.0), 0.002, 6, 2, 3)))
     assert found.job.asymmetry < ROUND_OFF
-    other = prism_compliance(body, Prism((0.0, 20.0), -0.002, 6, 2, 3), n_modes=3)
+    other = flank_compliance(body, JobOptions(n_modes=3, prism=Prism((0.0, 20.0), -0.002, 6, 2, 3)))
     parity = np.tile((-1.0) ** np.arange(3), 3)
     _close(other.smooth, found.smooth * np.outer(parity, parity), 1e-12)
 
 
 def test_fewer_modes_are_those_of_a_coarser_job() -> None:
     found = _found(twist=TWIST)
-    in_s = prism_compliance(BODY, replace(COARSE, twist=TWIST), n_modes=2)
+    in_s = flank_compliance(BODY, JobOptions(n_modes=2, prism=replace(COARSE, twist=TWIST)))
     _close(found.fewer_modes().smooth, in_s.smooth, QUADRATURE)
     in_z = _found(twist=TWIST, load_degree=0)
     fewer = found.fewer_axial_modes(2)

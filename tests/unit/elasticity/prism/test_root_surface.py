@@ -12,8 +12,8 @@ from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity import sector_closure
 from flankload.elasticity.axial_basis import AxialBasis, AxialRegions
-from flankload.elasticity.compliance import BodyCompliance
-from flankload.elasticity.prism import Prism, prism_compliance
+from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
+from flankload.elasticity.prism import Prism
 from flankload.elasticity.prism.root_surface import root_surface_stress
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear
@@ -30,7 +30,9 @@ FITTED = 1e-9
 
 @cache
 def _found(**keys) -> BodyCompliance:
-    return prism_compliance(BODY, replace(COARSE, **keys), n_modes=3, fillets=FILLETS)
+    return flank_compliance(
+        BODY, JobOptions(n_modes=3, fillets=FILLETS, prism=replace(COARSE, **keys))
+    )
 
 
 def _root(**keys) -> np.ndarray:
@@ -126,7 +128,7 @@ def test_the_other_hand_is_the_mirror_image() -> None:
 
 
 def test_readings_do_not_change_the_compliance() -> None:
-    plain = prism_compliance(BODY, replace(COARSE, twist=TWIST), n_modes=3)
+    plain = flank_compliance(BODY, JobOptions(n_modes=3, prism=replace(COARSE, twist=TWIST)))
     found = _found(twist=TWIST)
     np.testing.assert_array_equal(found.smooth, plain.smooth)
     assert plain.root is None
@@ -139,7 +141,7 @@ def test_readings_do_not_change_the_compliance() -> None:
 
 def test_no_front_is_kept_unless_stress_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sector_closure, "Recovery", None)
-    assert prism_compliance(BODY, COARSE, n_modes=2).root is None
+    assert flank_compliance(BODY, JobOptions(n_modes=2, prism=COARSE)).root is None
 
 
 def test_forces_in_balance_leave_the_next_tooth_hardly_stressed() -> None:
