@@ -83,7 +83,7 @@ module flankload_status
         & status_type(code_only_ends, &
         & 'flanks are nearest to each other at excluded ends'), &
         & status_type(code_not_in_slices, &
-        & 'slices require small forces, flanks with two ends; if they conform, no friction'), &
+        & 'slices exclude finite forces, closed flanks; if they conform, friction, shifts'), &
         & status_type(code_one_mesh_only, &
         & 'several meshes exclude friction, finite forces, conforming slices, mixed models')]
 

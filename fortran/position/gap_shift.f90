@@ -8,11 +8,13 @@ module flankload_gap_shift
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_reach, only: is_level
     use flankload_compliance_field, only: compliance_type, mode_values
+    use flankload_slice_field, only: modes_of
+    use flankload_polar_geometry, only: part_in_section
     use flankload_mesh, only: body_type
     implicit none
     private
 
-    public :: has_shift, shift_zones, zone_shift, shift_pairs
+    public :: has_shift, shift_zones, shift_angle, shift_pairs
 
     !> Tolerance of the point of least gap, relative to the length of the flank.
     real(wp), parameter :: place_tolerance = 1.0e-10_wp
@@ -42,30 +44,30 @@ contains
         !> Shift out of the material [mm], shape (n)
         real(wp) :: shift(size(s))
 
-        shift = shift_at(bodies(zone%body(flank))%compliance, zone%site + zone%offset(flank), s)
+        integer :: i
+        real(wp) :: edges(2, size(s))
+
+        associate (body => bodies(zone%body(flank))%compliance)
+            shift = 0.0_wp
+            if (.not. allocated(body%shift)) return
+            associate (modes => body%shift(:, zone%site + zone%offset(flank)))
+                if (zone%edges(2) > zone%edges(1)) then
+                    edges = reshape([(zone%edges, i=1, size(s))], shape(edges))
+                    shift = matmul(modes, modes_of(body, edges, s))
+                else
+                    shift = matmul(mode_values(body, s), modes)
+                end if
+            end associate
+        end associate
     end function shift_on
 
-    !> Return the shift of a flank at points [mm]; 0 for a body without shift.
-    pure function shift_at(body, site, s) result(shift)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> The site
-        integer, intent(in) :: site
-        !> Arc lengths [mm], shape (n)
-        real(wp), intent(in) :: s(:)
-        !> Shift out of the material [mm], shape (n)
-        real(wp) :: shift(size(s))
-
-        shift = 0.0_wp
-        if (allocated(body%shift)) shift = matmul(mode_values(body, s), body%shift(:, site))
-    end function shift_at
-
     !> Return the derivative of the shift along the flank [mm/mm].
-    pure function shift_slope(body, site, s) result(slope)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> The site
-        integer, intent(in) :: site
+    pure function shift_slope(bodies, zone, flank, s) result(slope)
+        !> The bodies, and the zone
+        type(body_type), intent(in) :: bodies(:)
+        type(zone_type), intent(in) :: zone
+        !> 1 or 2
+        integer, intent(in) :: flank
         !> Arc length [mm]
         real(wp), intent(in) :: s
         real(wp) :: slope
@@ -75,22 +77,33 @@ contains
         real(wp), parameter :: step = 1.0e-4_wp
         real(wp) :: beside(2)
 
-        beside = s + 0.5_wp*step*(body%s_high - body%s_low)*[-1.0_wp, 1.0_wp]
-        beside = shift_at(body, site, beside)
-        slope = (beside(2) - beside(1))/(step*(body%s_high - body%s_low))
+        associate (body => bodies(zone%body(flank))%compliance)
+            beside = s + 0.5_wp*step*(body%s_high - body%s_low)*[-1.0_wp, 1.0_wp]
+            beside = shift_on(bodies, zone, flank, beside)
+            slope = (beside(2) - beside(1))/(step*(body%s_high - body%s_low))
+        end associate
     end function shift_slope
 
-    !> Return the gap that the shift of both flanks closes at the point of least gap [mm].
-    pure function zone_shift(bodies, zone) result(shift)
+    !> Return the gap angle that the shift of both flanks closes at the point of least gap [rad].
+    pure function shift_angle(bodies, zone) result(angle)
         !> The bodies, and the zone
         type(body_type), intent(in) :: bodies(:)
         type(zone_type), intent(in) :: zone
-        !> Closed gap along the normal [mm]
-        real(wp) :: shift
+        real(wp) :: angle
 
-        shift = sum(shift_on(bodies, zone, 1, [zone%nearest%s_1]) &
-            & + shift_on(bodies, zone, 2, [zone%nearest%s_2]))
-    end function zone_shift
+        angle = sum(shift_on(bodies, zone, 1, [zone%nearest%s_1]) &
+            & + shift_on(bodies, zone, 2, [zone%nearest%s_2]))/normal_lever(zone)
+    end function shift_angle
+
+    !> Return the lever arm of the normal of a zone, which a helix inclines [mm].
+    pure function normal_lever(zone) result(lever)
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        real(wp) :: lever
+
+        lever = zone%lever/zone%cosine   ! in the section
+        lever = lever*part_in_section(zone%twist, lever)
+    end function normal_lever
 
     !> Subtract the shift of both flanks from the gaps of pairs.
     pure subroutine shift_pairs(bodies, zone, first, pairs)
@@ -148,9 +161,8 @@ contains
         ! both points lie on one circle: dr = (P·t) ds/r
         along_2 = dot_product(pair%point_1, pair%tangent_1) &
             & /dot_product(pair%point_2, pair%tangent_2)
-        tilt = (shift_slope(bodies(zone%body(1))%compliance, zone%site + zone%offset(1), pair%s_1) &
-            & + along_2*shift_slope(bodies(zone%body(2))%compliance, zone%site + zone%offset(2), &
-            & pair%s_2))/zone%lever
+        tilt = (shift_slope(bodies, zone, 1, pair%s_1) &
+            & + along_2*shift_slope(bodies, zone, 2, pair%s_2))/normal_lever(zone)
     end function tilt_of
 
     !> Move a zone of smooth flanks by the secant method for the slope; without convergence, it is

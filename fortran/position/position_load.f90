@@ -177,7 +177,8 @@ contains
             associate (mesh => meshes(m), one => bodies(meshes(m)%bodies(1)), &
                 & two => bodies(meshes(m)%bodies(2)))
                 refused = is_plane_only(one%compliance) .or. is_plane_only(two%compliance)
-                if (allocated(mesh%height)) refused = refused .or. allocated(mesh%friction)
+                if (allocated(mesh%height)) refused = refused .or. allocated(mesh%friction) &
+                    & .or. allocated(one%compliance%shift) .or. allocated(two%compliance%shift)
                 if (allocated(mesh%height) .or. mesh%grid%level == level_pairs) refused = refused &
                     & .or. mesh%grid%finite_steps > 0
             end associate
@@ -198,8 +199,7 @@ contains
         type(compliance_type), intent(in) :: compliance
         logical :: is_plane
 
-        is_plane = allocated(compliance%nodes) .or. allocated(compliance%shift) &
-            & .or. compliance%closed
+        is_plane = allocated(compliance%nodes) .or. compliance%closed
         ! modes of loads along the profile are those of normal loads, each multiplied by all
         ! polynomials over the face width
         if (allocated(compliance%tangential)) is_plane = is_plane &

@@ -15,7 +15,7 @@ module flankload_position_zones
     use flankload_motion_rows, only: closed_by_displacements, zone_rates
     use flankload_polar_geometry, only: turned
     use flankload_near_field, only: image_type
-    use flankload_gap_shift, only: has_shift, shift_zones, zone_shift
+    use flankload_gap_shift, only: has_shift, shift_zones, shift_angle
     implicit none
     private
 
@@ -341,6 +341,7 @@ contains
                 slice = slice_of(mesh%slices, found(k)%site - first + 1)
                 found(k)%edges = mesh%slices%edges(slice:slice + 1)
                 found(k)%flank = found(k)%site - slice + 1
+                found(k)%twist = found(k)%side*mesh%twist
             end do
         end associate
     end subroutine search_sites
@@ -458,8 +459,7 @@ contains
         gap = zones%gap_angle &
             & - position%deviation(zones%site)/(zones%lever/zones%cosine)
         do z = 1, size(zones)
-            if (has_shift(bodies, zones(z))) gap(z) = gap(z) &
-                & - zone_shift(bodies, zones(z))/(zones(z)%lever/zones(z)%cosine)
+            if (has_shift(bodies, zones(z))) gap(z) = gap(z) - shift_angle(bodies, zones(z))
             if (allocated(position%displacements)) gap(z) = gap(z) &
                 & - closed_by_displacements(bodies, position%displacements, &
                 & meshes(zones(z)%mesh), zones(z), zones(z)%nearest%point_1, zones(z)%closing)

@@ -85,7 +85,6 @@ contains
         do z = 1, size(position%zones)
             associate (zone => position%zones(z), mesh => meshes(position%zones(z)%mesh))
                 if (.not. allocated(mesh%slices)) cycle
-                zone%twist = zone%side*mesh%twist
                 zone%cosine = part_in_section(zone%twist, zone%lever)
                 zone%length = (zone%edges(2) - zone%edges(1))/zone%cosine
                 zone%lever = zone%lever*zone%cosine

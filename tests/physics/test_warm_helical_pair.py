@@ -1,4 +1,4 @@
-"""Uniform thermal expansion of three-dimensional bodies: sizes, helices, refused scenes."""
+"""Expansion of three-dimensional bodies by heat and speed: sizes, helices, flanks, refusals."""
 
 from __future__ import annotations
 
@@ -9,17 +9,36 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 import flankload as fl
-from flankload.elasticity.compliance import no_compliance
+from flankload.bodies.involute.involute_body import build_involute_body
+from flankload.elasticity.compliance import JobOptions, flank_compliance, no_compliance
 from flankload.elasticity.compliance.contributions import Expansion
+from flankload.elasticity.prism import Prism
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import expanded_pair
+from flankload.pairing.expansion import BodyLoad
+from flankload.scene.plane_section import plane_section
+from tests.support.ring_bodies import gear
 from tests.support.solving import solve as solve_scene
-from tests.support.three_dimensional import HELICAL, SMALL, deviation, tree_of
-from tests.support.tolerances import ROUND_OFF
+from tests.support.three_dimensional import (
+    HELICAL,
+    MIRRORED,
+    OTHER_HANDS,
+    SMALL,
+    deviation,
+    tree_of,
+)
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 RISE, STRAIN = 200.0, 11.5e-6 * 200.0
+WEBBED = {
+    "web_width_mm": 3.0,
+    "web_outer_diameter_mm": 85.0,
+    "hub_diameter_mm": 45.0,
+    "hub_width_mm": 17.0,
+}
 BASE_HELIX = np.arcsin(np.sin(np.radians(15.0)) * np.cos(np.radians(20.0)))
 
 
@@ -95,14 +114,69 @@ def test_a_warm_wheel_loads_one_end() -> None:
     assert ends[2] > ends[0] + 20.0
 
 
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        ({"effects__support_expansion_per_K": 1e-6}, "support_expansion_per_K"),
-        ({"effects__speed_rpm": 3000.0}, "speed_rpm"),
-    ],
-)
-def test_loads_of_an_expansion_are_refused(changes: dict[str, Any], key: str) -> None:
-    tree = tree_of(HELICAL, {"effects__temperature_rise_K": RISE, **changes})
-    with pytest.raises(fl.FlankloadError, match=f"effects.{key}: expected nothing, since"):
+# --- expansion that is not uniform ----------------------------------------------------------------
+FREE = {"body_1__bore": "torque", "body_2__bore": "torque"}
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.01])
+def test_a_free_bore_lets_a_prism_expand_evenly(twist: float) -> None:
+    """Whatever its support does, webs and hubs of other width included."""
+    spec = gear(teeth=24, tip_diameter_mm=119.0, bore="torque", **WEBBED)
+    body = build_involute_body(spec, "body_1", flank_element_mm=3.0)
+    regions = (("web", (-2.0, 1.0)), ("hub", (-9.0, 8.0)))
+    prism = Prism((-5.0, 7.0), twist, 5, 1, regions=regions)
+    found = flank_compliance(
+        body,
+        JobOptions(n_modes=3, prism=prism),
+        body_load=BodyLoad(strain=STRAIN, held_strain=0.3 * STRAIN),
+    ).expansion
+    assert found.strain == pytest.approx(STRAIN, rel=SOLVER)
+    assert found.axial_strain == pytest.approx(STRAIN, rel=ROUND_OFF)
+    assert np.abs(found.shifts["temperature"]).max() < SOLVER * STRAIN * spec.tip_diameter_mm
+
+
+def test_a_narrow_pair_at_speed_is_in_plane_stress() -> None:
+    """Its flanks move along normals that a helix inclines: measured 1.6e-3 of the rotation."""
+    changes = {
+        **SMALL,
+        **FREE,
+        "body_1__lead_crowning_um": None,
+        "load__torque_Nm": 0.0,
+        "pair__face_width_mm": 1.0,
+        "accuracy__slices": 4,
+        "effects__speed_rpm": 9000.0,
+    }
+    scene = fl.Scene.from_dict(tree_of(HELICAL, changes))
+    section = plane_section(scene)
+    thin = replace(section, accuracy=structs.replace(section.accuracy, plane="stress"))
+    found, wanted = (solve_scene(each).rotation_rad for each in (scene, thin))
+    assert np.abs(wanted).min() > 1e-5
+    np.testing.assert_allclose(found, wanted, rtol=3e-3)
+
+
+def test_both_flanks_of_a_fast_pair_are_mirror_images() -> None:
+    """The other hands carry the same loads, end for end, on working and coast flanks."""
+    keys: dict[str, Any] = {
+        "pair__center_distance_mm": 131.91,
+        "load__torque_Nm": 0.0,
+        "effects__coast_flank": True,
+        "effects__speed_rpm": 20000.0,
+        "effects__temperature_rise_K": 40.0,
+        "effects__support_expansion_per_K": 0.0,
+        "effects__beyond_limits": True,
+        "body_1__axial_offset_mm": 2.0,
+        "positions__count": 2,
+    }
+    one = solve(**keys)
+    other = solve(**{**keys, **OTHER_HANDS, "body_1__axial_offset_mm": -2.0})
+    slow = solve(**{**keys, "effects__speed_rpm": None})
+    loads, images, still = (result.slice_line_load_N_per_mm for result in (one, other, slow))
+    assert loads.max() > 100.0
+    assert deviation(still, loads) > 1e-2
+    assert deviation(images[..., ::-1], loads) < MIRRORED
+
+
+def test_expansion_of_splines_is_refused_in_three_dimensions() -> None:
+    tree = tree_of("spline", {"effects__dimension": 3, "effects__speed_rpm": 3000.0})
+    with pytest.raises(fl.FlankloadError, match=r"effects.speed_rpm: expected nothing, since"):
         fl.Scene.from_dict(tree)

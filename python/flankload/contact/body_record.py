@@ -120,6 +120,7 @@ def packed_body(
     deviations_mm: NDArray[np.float64],
     block: NDArray[np.int64],
     teeth: NDArray[np.int64],
+    n_working: int,
     slices: Slices,
     which: int,
     coast: bool,
@@ -134,7 +135,7 @@ def packed_body(
     block : (S, S) array
         Blocks of the compliance, from 0.
     teeth : (n,) array
-        Tooth of each flank.
+        Tooth of each flank, `n_working` working ones first.
     slices : Slices
         Slices of a mesh; the surface of the flanks in them is that in all meshes.
     which : int
@@ -143,7 +144,9 @@ def packed_body(
         Whether coast flanks touch, and whether tangential forces act.
     """
     compliance = _of_width(compliance, slices.compliance_width_mm)
-    parts = _compliance_parts(compliance, teeth)
+    # equal in all slices of a flank
+    shifts = compliance.shift_of(teeth, n_working).repeat(slices.count, axis=0)
+    parts = _compliance_parts(compliance, shifts)
     if tangential:
         parts += _tangential_parts(compliance, coast=coast)
     # a section of a wide body has no modes along the axis
@@ -195,6 +198,7 @@ def _record_of_pair(contact: FlankContact, z: int) -> NDArray[np.float64]:
         deviations_mm=deviations,
         block=slices.site_blocks(block),
         teeth=teeth,
+        n_working=pairing.sites.size,
         slices=slices,
         which=z,
         coast=pairing.coast is not None,
@@ -236,8 +240,8 @@ def _powers_first(curve: FlankCurve) -> NDArray[np.float64]:
     return np.asfortranarray(curve.coefficients.transpose(2, 1, 0))
 
 
-def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> list[Part]:
-    """Parts of a compliance under normal loads, if present."""
+def _compliance_parts(compliance: BodyCompliance, shifts: Floats) -> list[Part]:
+    """Parts of a compliance under normal loads, if present; shifts (S, p) by body loads."""
     modes, near = compliance.modes, compliance.near
     values_of = {
         "tip": modes.tip,
@@ -245,7 +249,7 @@ def _compliance_parts(compliance: BodyCompliance, teeth: NDArray[np.int64]) -> l
         "wedge_along": near.wedge_along if any(near.wedge_along) else None,
         "turned": compliance.turned_blocks(),
         "nodes": modes.nodes,
-        "shift": compliance.shift_of(teeth) if compliance.expansion.shifts else None,
+        "shift": shifts if len(shifts) else None,
     }
     return [
         (name, np.asarray(values, dtype=float).ravel())

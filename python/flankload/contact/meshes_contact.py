@@ -180,6 +180,7 @@ class MeshesContact(Generic[PairingT, SupportsT]):
             deviations_mm=np.concatenate(deviations),
             block=block.repeat(counts, axis=0).repeat(counts, axis=1),
             teeth=numbers,
+            n_working=n_working,
             slices=self.meshes[m].slices,
             which=z,
             coast=compliance.coast is not None,

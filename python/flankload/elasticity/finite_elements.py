@@ -76,7 +76,7 @@ class SectionStiffness:
     blocks: Floats
     nodes: int
     regions: Numbers
-    region_of_cells: tuple[int, ...]
+    region_of_cells: tuple[int, ...] = (0,)
     twist: float = 0.0
     functions: AxialFunctions = PLANE
     cut_degree: int = 0

@@ -148,10 +148,15 @@ def _coast_side(
     assert one is not None
     contact = FlankContact(
         GearMesh(pair.bodies, _mirrored(pair.pairing, *pair.bodies), plane_slice(1.0)),
-        (compliances[0].without_elasticity(), compliances[1].without_elasticity()),
+        (_rigid_section(compliances[0]), _rigid_section(compliances[1])),
         pair.discretization.grid,
     )
     return CoastSide(contact, -pair.position_rad, one.base_radius_mm), ""
+
+
+def _rigid_section(compliance: BodyCompliance) -> BodyCompliance:
+    """The compliance of a section, a mean over the width, that only body loads deform."""
+    return compliance.fewer_axial_modes(compliance.modes.axial.degree).without_elasticity()
 
 
 def _mirrored(pairing: Pairing, body_1: Body, body_2: Body) -> Pairing:

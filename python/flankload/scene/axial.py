@@ -41,14 +41,13 @@ PLANE_EFFECTS = {
     "choose": "no choice of effects for three-dimensional bodies",
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
-    "support_expansion_per_K": "bodies that expand as their supports do",
-    "speed_rpm": "centrifugal expansion of plane bodies only",
 }
 #: Further ones of splines, whose slices conform over their height.
 PLANE_EFFECTS_OF_SPLINES = {
     "friction_coefficient": "no friction of splines",
     "root_stress": "no root stress of splines over their width",
     "temperature_rise_K": "expansion of splines in the plane only",
+    "speed_rpm": "expansion of splines in the plane only",
 }
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (

@@ -133,18 +133,24 @@ class BodyCompliance:
         place = np.searchsorted(self.flanks, np.arange(teeth))
         return place[displaced] * len(self.flanks) + place[loaded]
 
-    def shift_of(self, at: Numbers) -> Floats:
+    def shift_of(self, at: Numbers, n_working: int | None = None) -> Floats:
         """Displacement of flanks by all body loads: mode coefficients (n, p), mm.
 
-        `at` (n,): numbers of teeth, from 0; (0, p) without body loads.
+        `at` (n,): numbers of teeth, from 0, those of `n_working` working flanks first, by default
+        all; (0, p) without body loads.
         """
-        shifts = list(self.expansion.shifts.values())
+        shifts, coast = (
+            list(parts.values()) for parts in (self.expansion.shifts, self.expansion.coast_shifts)
+        )
         if not shifts:
             return np.empty((0, self.smooth.shape[1]))
         total = np.sum(shifts, axis=0)
-        if len(total) == 1:
-            return np.broadcast_to(total, (at.size, total.shape[1]))
-        return np.asarray(total[np.searchsorted(self.flanks, at)])
+        if len(total) > 1:
+            return np.asarray(total[np.searchsorted(self.flanks, at)])
+        found = np.repeat(total, at.size, axis=0)
+        if coast and n_working is not None:
+            found[n_working:] = np.sum(coast, axis=0)
+        return found
 
     def blocks_of_sites(self, teeth_at: Numbers, n_working: int, teeth: int) -> Numbers:
         """Blocks (S, S) of `all_blocks` for displacements at sites (rows) under loads at sites.

@@ -139,12 +139,15 @@ class Expansion:
     shifts : dict of str to (1, p) or (f, p) array
         By load, normal displacement of the flanks beyond that strain, as mode coefficients, mm: one
         row for all teeth, or one for each flank.
+    coast_shifts : dict of str to (1, p) array
+        The same of coast flanks; empty without these.
     axial_excess : float
         Axial strain less the strain of the section.
     """
 
     strain: float = 0.0
     shifts: dict[str, Floats] = field(default_factory=dict)
+    coast_shifts: dict[str, Floats] = field(default_factory=dict)
     axial_excess: float = 0.0
 
     @property
@@ -154,7 +157,11 @@ class Expansion:
 
     def with_shifts(self, change: Callable[[Floats], Floats]) -> Expansion:
         """The expansion with changed displacements of the flanks."""
-        return replace(self, shifts={name: change(part) for name, part in self.shifts.items()})
+        shifts, coast = (
+            {name: change(part) for name, part in parts.items()}
+            for parts in (self.shifts, self.coast_shifts)
+        )
+        return replace(self, shifts=shifts, coast_shifts=coast)
 
 
 @dataclass(frozen=True, eq=False)

@@ -299,7 +299,7 @@ def _expansion(job: Job, body_load: BodyLoad | None, moved: Mapping[str, Floats]
     Normal displacements do not describe the motion of a tip corner, which touches its mate
     elsewhere. Therefore the strain that fits all flanks best, by least squares, scales the section
     of the whole body. `moved`: readings (f, q) of the loads on each of f flanks under each of
-    `_load_vectors`, mm²; in three dimensions those on a coast flank follow.
+    `_load_vectors`, mm²; those on a coast flank follow.
     """
     if body_load is None:
         return Expansion()
@@ -310,9 +310,13 @@ def _expansion(job: Job, body_load: BodyLoad | None, moved: Mapping[str, Floats]
     evenly = job.section.in_section(mesh.nodes)
     read = [np.einsum("nuq,nu->q", loads.columns(flank)[..., :p], evenly) for flank in mesh.flanks]
     unit = loads.coefficients(np.array(read))
-    shifts = {name: loads.coefficients(part[:, :p]) for name, part in moved.items()}
     square = float(np.sum(np.array(read) * unit))
-    parts = {name: float(np.sum(np.array(read) * part)) / square for name, part in shifts.items()}
-    left = {name: shift - parts[name] * unit for name, shift in shifts.items()}
+    parts = {name: float(np.sum(unit * each[:, :p])) / square for name, each in moved.items()}
+
+    def beyond(first: int) -> dict[str, Floats]:
+        rows = {name: each[:, first : first + p] for name, each in moved.items()}
+        return {name: loads.coefficients(row) - parts[name] * unit for name, row in rows.items()}
+
+    coast = beyond(p * (1 + loads.friction)) if job.coast_flanks else {}
     strain = held + sum(parts.values())
-    return Expansion(strain, left, axial_excess=along - strain)
+    return Expansion(strain, beyond(0), coast, axial_excess=along - strain)

@@ -139,9 +139,11 @@ class ModeLoads(FlankLoads):
 
     def columns(self, flank: SectorMesh | MeshedFlank) -> Floats:
         """Loads (N, 2, q) of the modes, per mm of width."""
-        keys = {"closed": self.body.curve.closed, "tip": self.body.tip}
-        span, directions = self.body.mode_range_mm, DIRECTIONS[: 1 + self.friction]
-        found = [mode_loads(flank, span, self.count, along=each, **keys) for each in directions]
+        span, closed, tip = self.body.mode_range_mm, self.body.curve.closed, self.body.tip
+        found = [
+            mode_loads(flank, span, self.count, along=each, closed=closed, tip=tip)
+            for each in DIRECTIONS[: 1 + self.friction]
+        ]
         return np.hstack(found).reshape(len(flank.nodes), 2, -1)
 
     def on_coast(self, mesh: SectorMesh) -> tuple[Floats, int]:

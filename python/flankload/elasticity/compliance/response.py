@@ -73,7 +73,7 @@ class Response:
         Blocks of flanks under their own loads; for each block, that with load and reading
         exchanged.
     by_force : (f, k, q) array
-        Readings by the unit loads of each flank under each body load.
+        Readings by the unit loads of each flank under each body load, then by other loads.
     coast : CoastCompliance or None
     rim : RimResponse or None
     """
@@ -172,10 +172,10 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None) -> Response:
             response = teeth_response(sector, mesh.teeth, sectors)
         else:
             response = job.bore.close_ring(sector)
-    by_force = np.zeros((0, growth, q))
+    by_force = np.zeros((0, 0 if job.forces is None else job.forces.shape[2], q))
     if growth:
         of_ring = uniform_response(sector, mesh.teeth) if job.bore is None else response.sum(axis=0)
-        by_force = of_ring[None, -growth:, :q]
+        by_force = of_ring[None, -growth:]
     log.end_step("ring")
     rows = np.append(np.arange(q), np.arange(count, response.shape[1]))
     return Response(
