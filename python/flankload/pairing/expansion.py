@@ -18,7 +18,6 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
-    from flankload.elasticity.compliance import Expansion
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
     from flankload.scene import Scene
@@ -98,10 +97,9 @@ def body_load_notes(scene: Scene) -> tuple[str, ...]:
     )
 
 
-def expanded(body: Body, expansion: Expansion) -> Body:
+def expanded(body: Body, strain: float, axial_strain: float) -> Body:
     """The body with its curve and the range of its modes scaled by 1 + strain."""
-    strain = expansion.strain
-    if strain == expansion.axial_strain == 0.0:
+    if strain == axial_strain == 0.0:
         return body
     curve, larger = body.curve, 1.0 + strain
     powers = larger ** (1.0 - np.arange(curve.coefficients.shape[2]))
@@ -116,7 +114,7 @@ def expanded(body: Body, expansion: Expansion) -> Body:
         mode_range_mm=(larger * low, larger * high),
         axial=replace(
             body.axial,
-            twist_rad_per_mm=body.axial.twist_rad_per_mm / (1.0 + expansion.axial_strain),
+            twist_rad_per_mm=body.axial.twist_rad_per_mm / (1.0 + axial_strain),
         ),
     )
 

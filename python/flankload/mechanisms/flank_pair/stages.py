@@ -54,7 +54,10 @@ def expanded_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, C
     one, two = compliances
     strains = first.axial_strain, second.axial_strain
     slices = expanded_slices(pair.slices, pair.bodies, strains)
-    bodies = expanded(pair.body_1, first), expanded(pair.body_2, second)
+    bodies = (
+        expanded(pair.body_1, first.strain, first.axial_strain),
+        expanded(pair.body_2, second.strain, second.axial_strain),
+    )
     return replace(pair, bodies=bodies, slices=slices), (one.expanded(), two.expanded())
 
 
