@@ -387,7 +387,7 @@ def test_slices_need_both_bodies_over_their_width() -> None:
     assert sliced_info([axial], [axial]) == -108
 
 
-def test_shifts_and_finite_forces_have_no_slices() -> None:
+def test_slices_have_shifts_but_no_finite_forces() -> None:
     """The state says so: it has a status of its own."""
     axial = ("axial", AXIAL)
     shift = ("shift", np.zeros(MODES * SITES))
@@ -395,8 +395,8 @@ def test_shifts_and_finite_forces_have_no_slices() -> None:
     finite = np.array([10.0, 30.0, 2.5, 0.0, 2.0])
     sliced = record_of(axial, EDGES), record_of(axial)
     assert sweep_info(*sliced, settings=finite)[0] == 1
-    assert sliced_info([axial, EDGES, shift], [axial]) == 1
-    assert sliced_info([axial, EDGES], [axial, shift]) == 1
+    assert sliced_info([axial, EDGES, shift], [axial]) == 0
+    assert sliced_info([axial, EDGES], [axial, shift]) == 0
     rubbing = record_of(axial, EDGES, FRICTION), record_of(axial)
     settings = np.array([10.0, 30.0, 2.5, 1.0, 0.0])
     assert sweep_info(*rubbing, settings=settings, n_columns=13)[0] == 0
