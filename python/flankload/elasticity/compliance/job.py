@@ -229,7 +229,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
     root, turned, places = None, None, 0
     if options.fillets is not None:
         places = options.fillets.points.arc_length_mm.size * loads.functions_of_roots
-        root = loads.roots(options.fillets, below[:, :places])
+        root = loads.roots(options.fillets, below[:, :places].copy())
     if _turns(body, options):
         turned = turned_coefficients(body, below[:, places, :p], found.own, options.plane)
     loads.subtract_near_field(response, found.own, job.log.account)
