@@ -491,6 +491,7 @@ contains
                 n_t = sign(1.0_wp, lever)*n_t
                 zone%lever = abs(lever)
                 if (i == n) zone%side = -1.0_wp
+                zone%twist = zone%side*meshes(1)%twist
                 cosine = 1.0_wp/sqrt(1.0_wp + (twist*lever)**2)
                 w(:3, i) = cosine*[n_t(1), n_t(2), -twist*abs(lever)]
                 ! The normal is the tangent rotated to the left.
