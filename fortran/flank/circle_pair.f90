@@ -9,7 +9,7 @@ module flankload_circle_pair
     private
 
     public :: facing_type, flank_type, pair_type
-    public :: new_flank, pair_on_circle, guessed_s_2
+    public :: complete_pair, guessed_s_2, new_flank, pair_on_circle, start_pair
 
     !> A flank and its samples, at which the search for minima of the gap starts.
     type :: flank_type
@@ -202,12 +202,38 @@ contains
         !> False if the circle does not cross flank 2 in that range
         logical, intent(out) :: found
 
-        real(wp) :: rise_1, rise_2
+        call start_pair(facing, s_1, pair)
+        call complete_pair(facing, s_2_range, pair, found)
+    end subroutine pair_on_circle
+
+    !> Compute the point of flank 1 of a pair, and the circle about O1 through it.
+    pure subroutine start_pair(facing, s_1, pair)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
+        !> Arc length on flank 1 [mm]
+        real(wp), intent(in) :: s_1
+        !> Pair
+        type(pair_type), intent(inout) :: pair
 
         pair%s_1 = s_1
         call placed_point(facing%flank_1%curve, facing%frame_1, s_1, pair%point_1, &
             & pair%tangent_1)
         pair%radius = sqrt(pair%point_1(1)**2 + pair%point_1(2)**2)
+    end subroutine start_pair
+
+    !> Compute the intersection of the circle of a pair with flank 2.
+    pure subroutine complete_pair(facing, s_2_range, pair, found)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
+        !> Arc lengths of flank 2 between which the intersection lies [mm], shape (2)
+        real(wp), intent(in) :: s_2_range(2)
+        !> Pair with its point of flank 1; on entry, pair%s_2 is the initial guess
+        type(pair_type), intent(inout) :: pair
+        !> False if the circle does not cross flank 2 in that range
+        logical, intent(out) :: found
+
+        real(wp) :: rise_1, rise_2
+
         call circle_meets_flank(facing%flank_2%curve, facing%frame_2, pair%radius, s_2_range, &
             & pair%s_2, pair%point_2, pair%tangent_2, found)
         if (.not. found) return
@@ -219,7 +245,7 @@ contains
         ! dφ/ds = (P×t)/r² and dr/ds = (P·t)/r
         pair%slope = (cross(pair%point_2, pair%tangent_2)*rise_1/rise_2 &
             & - cross(pair%point_1, pair%tangent_1))/pair%radius**2
-    end subroutine pair_on_circle
+    end subroutine complete_pair
 
     !> Return an approximate intersection of flank 2 with the circle through another point of flank
     !> 1, from dr = (P·t) ds/r.

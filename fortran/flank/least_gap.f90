@@ -2,8 +2,8 @@
 !> the paper).
 module flankload_least_gap
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: curve_length, placed_point
-    use flankload_circle_pair, only: facing_type, pair_on_circle, pair_type
+    use flankload_flank_curve, only: curve_length
+    use flankload_circle_pair, only: complete_pair, facing_type, pair_type, start_pair
     use flankload_gap_scan, only: scan_type
     implicit none
     private
@@ -35,10 +35,9 @@ contains
         logical, intent(out) :: found
 
         integer :: step, at, side, segments
-        real(wp) :: radius, low, high, point(2), tangent(2)
+        real(wp) :: low, high
 
-        call placed_point(facing%flank_1%curve, facing%frame_1, s, point, tangent)
-        radius = norm2(point)
+        call start_pair(facing, s, pair)
         found = .false.
         segments = size(scan%radius_2) - 1
         do step = 0, segments
@@ -46,12 +45,14 @@ contains
                 at = l + side*step
                 if (facing%flank_2%curve%closed) at = 1 + modulo(at - 1, segments)
                 if (at < 1 .or. at > segments) cycle
-                low = scan%radius_2(at) - radius
-                high = scan%radius_2(at + 1) - radius
-                if (low*high > 0.0_wp .and. min(abs(low), abs(high)) > rounding*radius) cycle
+                low = scan%radius_2(at) - pair%radius
+                high = scan%radius_2(at + 1) - pair%radius
+                if (low*high > 0.0_wp .and. min(abs(low), abs(high)) > rounding*pair%radius) cycle
                 associate (ends => facing%flank_2%s(at:at + 1))
-                    pair%s_2 = 0.5_wp*(ends(1) + ends(2))
-                    call pair_on_circle(facing, s, ends, pair, found)
+                    pair%s_2 = ends(1)
+                    if (abs(low - high) > 0.0_wp) pair%s_2 = ends(1) &
+                        & + low/(low - high)*(ends(2) - ends(1))
+                    call complete_pair(facing, ends, pair, found)
                 end associate
                 if (found) return
             end do
