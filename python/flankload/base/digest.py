@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from functools import partial
+from functools import cache, partial
 from hashlib import blake2b
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from msgspec import Struct
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 #: Types whose text identifies the value.
 PLAIN = (str, float, int, type(None), bytes, PurePath, np.generic)
@@ -40,41 +37,50 @@ def digest_of(data: object) -> bytes:
         If the data contain anything else.
     """
     found = blake2b(digest_size=SIZE)
-    for part in _parts(data):
-        found.update(len(part).to_bytes(8, "little"))
-        found.update(part)
+    _add(data, found)
     return found.digest()
 
 
-def _parts(data: Any) -> Iterator[bytes]:
-    """Bytes of data, each piece after its type."""
+def _add(data: Any, found: blake2b) -> None:
+    """Add the bytes of data to a digest, each piece after its type."""
     if isinstance(data, np.ndarray) and data.dtype.kind in "biufcU":
-        yield f"{data.dtype.str}{data.shape}".encode()
-        yield data.tobytes()
+        _add_bytes(f"{data.dtype.str}{data.shape}".encode(), found)
+        _add_bytes(data.tobytes(), found)
     elif isinstance(data, PLAIN) or _is_plain(data):
-        yield f"{type(data).__name__}{data!r}".encode("utf-8", "surrogatepass")
+        _add_bytes(f"{type(data).__name__}{data!r}".encode("utf-8", "surrogatepass"), found)
     elif is_dataclass(data) and not isinstance(data, type):
-        yield type(data).__qualname__.encode()
-        for item in fields(data):
-            yield from _parts(getattr(data, item.name))
+        _add_bytes(type(data).__qualname__.encode(), found)
+        for name in _field_names(type(data)):
+            _add(getattr(data, name), found)
     elif isinstance(data, Struct):
-        yield type(data).__qualname__.encode()
+        _add_bytes(type(data).__qualname__.encode(), found)
         for name in data.__struct_fields__:
-            yield from _parts(getattr(data, name))
+            _add(getattr(data, name), found)
     elif isinstance(data, partial):
-        yield f"call{data.func.__module__}.{data.func.__qualname__}".encode()
-        yield from _parts((data.args, data.keywords))
+        _add_bytes(f"call{data.func.__module__}.{data.func.__qualname__}".encode(), found)
+        _add((data.args, data.keywords), found)
     elif isinstance(data, Mapping):
-        yield f"mapping{len(data)}".encode()
+        _add_bytes(f"mapping{len(data)}".encode(), found)
         for key, value in data.items():
-            yield from _parts(key)
-            yield from _parts(value)
+            _add(key, found)
+            _add(value, found)
     elif isinstance(data, Sequence):
-        yield f"{type(data).__name__}{len(data)}".encode()
+        _add_bytes(f"{type(data).__name__}{len(data)}".encode(), found)
         for item in data:
-            yield from _parts(item)
+            _add(item, found)
     else:
         raise TypeError(f"data: expected numbers, text, arrays and tables, found {type(data)}")
+
+
+def _add_bytes(part: bytes, found: blake2b) -> None:
+    found.update(len(part).to_bytes(8, "little"))
+    found.update(part)
+
+
+@cache
+def _field_names(form: type[Any]) -> tuple[str, ...]:
+    """Names of the fields of a dataclass."""
+    return tuple(item.name for item in fields(form))
 
 
 def _is_plain(data: object) -> bool:

@@ -98,11 +98,10 @@ def _members_of(form: type[Table], table: object, key: str) -> Iterator[_Member]
         return
     yield _Member((form,), form, table, key)
     by_others = form.given_by_others(table)
-    for name, field in fields_of(form).items():
-        forms = _tables_of(field.type)
+    for name, forms in _tables_in(form).items():
         absent: dict[str, Any] | None = {} if name in _required_in(form, table) else None
         value = table.get(name, absent)
-        if not forms or not isinstance(value, Mapping):
+        if not isinstance(value, Mapping):
             continue
         chosen = [one for one in forms if one.__struct_config__.tag in (None, value.get("kind"))]
         if chosen:
@@ -161,7 +160,7 @@ def _missing(member: _Member) -> Iterator[tuple[str, str]]:
     for name in _required_in(form, given):
         kind = fields_of(form)[name].type
         others = member.by_others.get(name)
-        if name not in given and not _tables_of(kind) and others != ():
+        if name not in given and name not in _tables_in(form) and others != ():
             expected = expected_of(inspect.type_info(kind))
             also = (*form.instead_of.get(name, ()), *(others or ()))
             yield _path(key, name), " or ".join((expected, *also))
@@ -174,6 +173,13 @@ def _required_in(form: type[Table], given: Mapping[str, Any]) -> tuple[str, ...]
         others = form.instead_of
         required = tuple(x for x in required if not any(y in given for y in others.get(x, ())))
     return required + form.also_required(given)
+
+
+@cache
+def _tables_in(form: type[Table]) -> dict[str, tuple[type[Table], ...]]:
+    """Forms of the tables that the values of some keys of a table can be, by key."""
+    forms = {name: _tables_of(field.type) for name, field in fields_of(form).items()}
+    return {name: some for name, some in forms.items() if some}
 
 
 def _tables_of(kind: Any) -> tuple[type[Table], ...]:
