@@ -100,6 +100,10 @@ class AxialShape:
         """Face width, mm."""
         return self.range_mm[1] - self.range_mm[0]
 
+    def width_in(self, common_mm: float) -> float:
+        """Face width; that of the pair, mm, in the plane."""
+        return common_mm if self.plane else self.width_mm
+
     @property
     def middle_mm(self) -> float:
         """Position of the middle of the face width, mm."""

@@ -149,10 +149,8 @@ def packed_body(
     parts = _compliance_parts(compliance, shifts)
     if tangential:
         parts += _tangential_parts(compliance, coast=coast)
-    # a section of a wide body has no modes along the axis
-    axial = None if slices.plane else compliance.modes.axial
-    if axial is not None:
-        parts += _axial_parts(body, axial, coast=coast)
+    if not slices.plane and compliance.modes.axial is not None:
+        parts += _axial_parts(body, compliance.modes.axial, coast=coast)
     removed = slices.surfaces_mm[which]
     curves = [body.curve] if removed is None else section_curves(body, removed)
     if body.active_range_mm is not None:

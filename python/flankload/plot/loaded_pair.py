@@ -66,8 +66,10 @@ def plot_loaded_pair(
         if is_drawn_over_width(result):
             figure.set_size_inches(7.2, 4.4)
             figure.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.1)
+            draw_loaded_pair(figure.add_subplot(), result, position=p, body=body)
+            return figure
         carrying = _carrying(result, p)
-        if is_drawn_over_width(result) or not (carrying and result.engagement.draws_pressures):
+        if not (carrying and result.engagement.draws_pressures):
             if result.engagement.draws_whole_bodies:
                 figure.set_size_inches(6.2, 6.4)
             draw_loaded_pair(figure.add_subplot(), result, position=p, body=body)

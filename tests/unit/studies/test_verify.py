@@ -252,7 +252,8 @@ def test_deck_agrees_with_the_arrays(deck: Deck) -> None:
     surfaces = {key.split("NAME=")[1].split(",")[0]: data for key, data in blocks
                 if key.startswith("*SURFACE, NAME")}  # fmt: skip
     assert sorted(surfaces) == [
-        "PAIR_0_BODY_1", "PAIR_0_BODY_2", "PAIR_M1_BODY_1", "PAIR_M1_BODY_2"
+        *("PAIR_0_LAYER_0_BODY_1", "PAIR_0_LAYER_0_BODY_2"),
+        *("PAIR_M1_LAYER_0_BODY_1", "PAIR_M1_LAYER_0_BODY_2"),
     ]  # fmt: skip
     for data in surfaces.values():
         ends = []
@@ -285,7 +286,8 @@ def test_held_nodes_of_body_1_turn_as_one(deck: Deck) -> None:
 def test_no_number_is_longer_than_calculix_reads(deck: Deck) -> None:
     for _, data in blocks_of(deck_text(deck))[1:]:
         for line in data:
-            assert max(len(field.strip()) for field in line.split(",")) <= 20
+            numbers = [field.strip() for field in line.split(",") if "PAIR" not in field]
+            assert max(map(len, numbers), default=0) <= 20
 
 
 def test_torque_is_that_of_a_millimetre_of_width(deck: Deck) -> None:

@@ -98,7 +98,7 @@ def _rows_of_body(body: Body, scene: Scene) -> Iterator[SheetRow]:
         errors = body.pitch_errors_um
         text = f"{min(errors):g} to {max(errors):g} µm"
         yield SheetRow("pitch errors of the teeth", "f_pt", text)
-    width = scene.pair.face_width_mm if body.axial.plane else body.axial.width_mm
+    width = body.axial.width_in(scene.pair.face_width_mm)
     yield SheetRow("face width", "b", f"{width:g} mm")
     yield from _rows_along_axis(body)
     if not body.rigid:

@@ -213,12 +213,17 @@ def _solved(factorisations: int, normal: int, tangential: int, **further: int) -
     }
 
 
+def slice_variants(effects: Effects) -> int:
+    """Number of sweeps of an estimate that bodies with a width have besides."""
+    return SLICE_VARIANTS if effects.three_dimensions else 0
+
+
 def estimate_sweeps(pair: BodyPair) -> int:
     """Number of sweeps of the error estimate."""
     return n_sweeps(
         lumped=pair.effects.lumped_contact,
         elements=bool(elements_estimated(pair)),
-        variants=0 if pair.slices.plane else SLICE_VARIANTS,
+        variants=slice_variants(pair.effects),
     )
 
 

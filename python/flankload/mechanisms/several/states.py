@@ -9,7 +9,7 @@ from flankload.analysis.estimate import MOST_SWEEPS
 from flankload.contact.meshes_contact import AnyContact, MeshesSweep, sweep_meshes
 from flankload.cost import held_bytes
 from flankload.mechanisms.elements import solve_bodies
-from flankload.mechanisms.flank_pair.prediction import SLICE_VARIANTS, work_of_elements
+from flankload.mechanisms.flank_pair.prediction import slice_variants, work_of_elements
 from flankload.mechanisms.several.assembly import MeshesAssembly
 from flankload.mechanisms.stage_clock import elements_stage
 from flankload.scene.effects import effects_of
@@ -61,7 +61,7 @@ def sweeps_of_states(scene: Scene) -> int:
     """Number of sweeps: states, and those of the estimate."""
     if not scene.accuracy.estimate:
         return 1
-    return 1 + MOST_SWEEPS + (SLICE_VARIANTS if effects_of(scene).three_dimensions else 0)
+    return 1 + MOST_SWEEPS + slice_variants(effects_of(scene))
 
 
 def compliances_of(

@@ -72,10 +72,12 @@ def _loads(
     floats = assembly.supports.moving == "carrier"
     carrier_mm = found.motions[:, -2:] if floats else np.zeros((total.size, 2))
     with_sun, with_ring = sliding_losses(assembly, found)
-    plane = assembly.is_plane
-    kind = StageLoads if plane else StageLoadsOverWidth
+    kind: type[StageLoads] = StageLoads
+    over_width: dict[str, Any] = {}
+    if not assembly.is_plane:
+        kind, over_width = StageLoadsOverWidth, loads_over_width(assembly, contact, found)
     return kind(
-        **({} if plane else loads_over_width(assembly, contact, found)),
+        **over_width,
         teeth=pairing.teeth,
         center_distance_mm=pairing.center_distance_mm,
         planet_angles_rad=pairing.angles_rad,

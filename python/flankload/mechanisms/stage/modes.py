@@ -117,8 +117,7 @@ def _inertias(
     for name, body in zip(NAMES, assembly.bodies, strict=True):
         material = MATERIALS.get(getattr(scene, name).material or "")
         density = DENSITY_KG_M3 if material is None else material.density_kg_m3
-        width = assembly.face_width_mm if body.axial.plane else body.axial.width_mm
-        own.append(mass_of(body, density, width))
+        own.append(mass_of(body, density, body.axial.width_in(assembly.face_width_mm)))
     (sun, turn), (planet, turn_of_planet), (ring, turn_of_ring) = own
     return (
         Inertia(stage.sun_mass_kg or sun, stage.sun_inertia_kg_m2 or turn),

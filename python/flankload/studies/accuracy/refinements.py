@@ -84,6 +84,11 @@ class Refinements:
         """Whether the bodies are three-dimensional."""
         return "slices" in self.ladders
 
+    @property
+    def limits(self) -> tuple[Fineness, ...]:
+        """Possible limits of the finest discretization."""
+        return SPATIAL_FINEST if self.spatial else FINEST
+
 
 def refinements_of(scene: Scene) -> Refinements:
     """All parameters of a scene with all steps.
@@ -105,7 +110,7 @@ def refinements_of(scene: Scene) -> Refinements:
         counts = {round(base.count * part) for part in STEPS[COUNT].study if base.count * part >= 1}
         ladders["count"] = tuple(sorted(counts))
     found = Refinements(ladders, base, base, can_adapt=not scene.is_drive)
-    return finest_within(found, (SPATIAL_FINEST if found.spatial else FINEST)[0])
+    return finest_within(found, found.limits[0])
 
 
 #: Steps by parameter, element lengths relative to the default; the largest number of modes; the
@@ -174,9 +179,9 @@ def affordable(
 
     Their seconds are those spent in the stages of the base run, times the ratio of the counters.
     """
-    runs, spatial = CoarseRuns(scene), refinements.spatial
+    runs = CoarseRuns(scene)
     base, found = runs.price(scene_at(scene, refinements.base)), refinements
-    for fineness in SPATIAL_FINEST if spatial else FINEST:
+    for fineness in refinements.limits:
         found = finest_within(refinements, fineness)
         finest = runs.price(scene_at(scene, found.finest))
         seconds = {
@@ -185,7 +190,7 @@ def affordable(
             if name in spent and base[name].cpu_s > 0.0
         }
         elements = sum(s for name, s in seconds.items() if name.startswith("compliance"))
-        solutions = elements * (LADDER_DEGREES if spatial else LADDER_ELEMENTS)
+        solutions = elements * (LADDER_DEGREES if refinements.spatial else LADDER_ELEMENTS)
         states = seconds.get("sweep", 0.0) + seconds.get("tangent", 0.0)
         if solutions + LADDER_SWEEPS * states <= LADDERS_PART * budget_s:
             break

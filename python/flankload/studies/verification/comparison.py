@@ -106,8 +106,9 @@ def verify(
     progress = progress or _silent
     scene = _checked(scene_of(scene))
     plane = not is_spatial(scene).on
-    deck_of = partial(model_of if plane else solid_model_of, large_displacement=large_displacement)
-    elements = elements_per_half_width or (ELEMENTS if plane else SOLID_ELEMENTS)
+    kind, usual = (model_of, ELEMENTS) if plane else (solid_model_of, SOLID_ELEMENTS)
+    deck_of = partial(kind, large_displacement=large_displacement)
+    elements = elements_per_half_width or usual
     if not plane:
         progress("size of the deck", 0, 1, None)
         expected = partial(_expected, scene, coarse_result(scene), position, deck_of)

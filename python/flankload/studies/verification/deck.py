@@ -3,8 +3,8 @@
 Plane bodies are written per mm of width, solid ones with their whole width. A pair of flanks of
 solid bodies has a contact pair for each layer of elements over the common width, so that the output
 has the force of each. The names for the reader of the output are defined here: node set AXIS_1 (its
-first component is the rotation of body 1), surfaces PAIR_<j>_BODY_<z> and
-PAIR_<j>_LAYER_<l>_BODY_<z>.
+first component is the rotation of body 1) and surfaces PAIR_<j>_LAYER_<l>_BODY_<z>; plane bodies
+have one layer.
 """
 
 from __future__ import annotations
@@ -40,9 +40,8 @@ ELEMENT = {"strain": "CPE6", "stress": "CPS6", None: "C3D15"}
 STIFF = "0.001, 0.1, 1, 60"
 #: Part of the nodes of a probe that is held, from one end.
 PROBE_HELD = 0.1
-#: Interaction of all contact pairs of solid bodies, and their supports: body 1 turns about its axis
-#: alone, body 2 does not move.
-FLANKS, SOLID_SUPPORTS = "FLANKS", ("HELD_1, 3, 3", "HELD_2, 1, 3")
+#: Supports of solid bodies: body 1 turns about its axis alone, body 2 does not move.
+SOLID_SUPPORTS = ("HELD_1, 3, 3", "HELD_2, 1, 3")
 
 
 @dataclass(frozen=True)
@@ -150,8 +149,7 @@ class Deck:
 
     def surface(self, site: int, layer: int, body: int) -> str:
         """Name of the surface of a flank in a layer."""
-        of_layer = "" if self.plane else f"_LAYER_{layer}"
-        return f"{pair_name(site)}{of_layer}_BODY_{body}"
+        return f"{pair_name(site)}_LAYER_{layer}_BODY_{body}"
 
     def contacts(self) -> Iterator[tuple[str, str]]:
         """Names of the surfaces of all contact pairs, by site, then layer."""
@@ -191,8 +189,8 @@ def probe_of(deck: Deck, elements: int) -> tuple[str, int]:
 
 def _lines(deck: Deck) -> Iterator[str]:
     yield "*HEADING"
-    per_width = "; per mm of width" if deck.plane else ""
-    yield f"scene: {' '.join(deck.title.split())} [mm, N, MPa{per_width}]"
+    title = " ".join(deck.title.split())
+    yield f"scene: {title} [mm, N, MPa; for {deck.width_mm:g} mm of width]"
     yield f"** body 1 is rotated by {deck.start_rad!r} rad from the position without load;"
     yield f"** its rotation is that angle and the first component of node {deck.axis_node(1)}"
     first_node, first_element = 1, 1
@@ -220,9 +218,8 @@ def _lines(deck: Deck) -> Iterator[str]:
 
 def _body(part: Part, z: int, deck: Deck, first_node: int, first_element: int) -> Iterator[str]:
     yield "*NODE"
-    flat = ["0."] if deck.plane else []
     for k, place in enumerate(part.nodes.tolist(), start=first_node):
-        yield ", ".join([f"{k}", *map(_number, place), *flat])
+        yield ", ".join([f"{k}", *map(_number, place), *["0."] * (3 - len(place))])
     yield f"*ELEMENT, TYPE={ELEMENT[deck.plane]}, ELSET=BODY_{z}"
     for k, row in enumerate((first_node + part.cells).tolist(), start=first_element):
         yield f"{k}, " + ", ".join(map(str, row))
@@ -291,10 +288,10 @@ def _axis(deck: Deck, body: int) -> Iterator[str]:
 
 
 def _contact(deck: Deck) -> Iterator[str]:
-    """Contact pairs; each pair of flanks of plane bodies has its own friction."""
+    """Contact pairs; each pair of flanks has its own friction."""
     interaction = ""
     for k, (slave, master) in enumerate(deck.contacts()):
-        name = pair_name(deck.sites[k]) if deck.plane else FLANKS
+        name = pair_name(deck.sites[k // deck.layers])
         if name != interaction:
             interaction = name
             yield f"*SURFACE INTERACTION, NAME={name}"
