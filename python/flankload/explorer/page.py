@@ -57,6 +57,9 @@ requestAnimationFrame(() => setTimeout(() => {
   painted.data = {number: [number[0]]};
 }, 0));
 """
+ENDED = """
+document.getElementById("status").innerHTML = '<span class="line broken">The explorer is closed.</span>';
+"""
 PLAY = f"""
 clearInterval(this.turning);
 const next = () => {{ place.value = (place.value + 1) % {PLACES}; }};
@@ -103,6 +106,7 @@ class Page:
         self._message.js_on_change("data", receive)
         document.js_on_event("document_ready", receive)
         painted.on_change("data", self._on_painted)
+        document.js_on_event("connection_lost", CustomJS(code=ENDED))
         roots = {
             "keys": _column(*(self._key(key) for key in explorer.shown), self._more()),
             "buttons": self._buttons(),

@@ -88,10 +88,11 @@ class Picture:
         self.figure.add_tools(HoverTool(tooltips=[("", "$x{0.000}, $y{0.0000}")]))
 
     def show(self, columns: Columns | None, result: Result | None) -> None:
-        """Show columns of a result; nothing without columns, and no picture if it has none."""
+        """Show columns of a result; no picture without columns, no curves without a result."""
         send = self._send
-        send(self.figure, css_classes=["absent"] * (columns is None and result is not None))
         send(self._now, data=columns or dict(self._empty))
+        if result is not None:
+            send(self.figure, css_classes=["absent"] * (columns is None))
         if columns is None or result is None:
             return
         engagement, (x, y) = result.engagement, (self.figure.x_range, self.figure.y_range)

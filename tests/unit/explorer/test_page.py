@@ -20,6 +20,7 @@ TYPE = """(input, value) => { input.value = value;
   input.dispatchEvent(new Event("input")); input.dispatchEvent(new Event("change")); }"""
 BROKEN = "document.querySelector('.broken') !== null"
 STATUS = "document.querySelector('#status').innerText"
+SHOWN = "[...document.querySelectorAll('.picture')].filter(one => one.offsetHeight).length"
 
 
 @pytest.fixture(scope="module")
@@ -51,8 +52,10 @@ def until(condition: Any, seconds: float = 60.0) -> None:
 
 def test_a_broken_premise_is_a_red_frame_without_curves(explorer: Any, browser: Browser) -> None:
     """First of all: the answer at rest was dropped as older than the pages painted before it."""
+    pictures = browser.value(SHOWN)
     browser.value(f"({TYPE})({TYPED}[0], 30000)")
     browser.wait(BROKEN)
+    assert browser.value(SHOWN) == pictures  # those of other kinds of drive appeared
     count = "m.renderers[2].data_source.get_length()"
     assert browser.value(model("error", count)) == 0
     with pytest.raises(fl.PremiseError) as caught:
@@ -122,3 +125,4 @@ def test_the_button_ends_the_explorer(tmp_path: Path, browser: Browser) -> None:
         browser.open(other.url, READY)
         browser.value("deep('.bk-btn').find(b => b.innerText === 'close').click()")
         until(other._closed.is_set)
+        browser.wait(f"{STATUS} === 'The explorer is closed.'")
