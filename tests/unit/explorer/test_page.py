@@ -52,11 +52,12 @@ def until(condition: Any, seconds: float = 60.0) -> None:
 
 def test_a_broken_premise_is_a_red_frame_without_curves(explorer: Any, browser: Browser) -> None:
     """First of all: the answer at rest was dropped as older than the pages painted before it."""
+    count = "m.renderers[2].data_source.get_length()"
+    browser.wait(model("error", f"{count} > 30"))
     pictures = browser.value(SHOWN)
     browser.value(f"({TYPE})({TYPED}[0], 30000)")
     browser.wait(BROKEN)
     assert browser.value(SHOWN) == pictures  # those of other kinds of drive appeared
-    count = "m.renderers[2].data_source.get_length()"
     assert browser.value(model("error", count)) == 0
     with pytest.raises(fl.PremiseError) as caught:
         explorer.change({})
