@@ -69,6 +69,6 @@ def _measured(name: str, path: str) -> tuple[float, list[float]]:
         start_s = time.monotonic() - begin
         times = []
         for _ in range(EVENTS):
-            explorer._worker.do(int).result()  # after the answer at rest and the derivatives
+            explorer.worker.do(int).result()  # after the answer at rest and the derivatives
             times.append(browser.value(STEP))
         return start_s, times

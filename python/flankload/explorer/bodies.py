@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import degrees
 from typing import TYPE_CHECKING
 
@@ -31,65 +30,51 @@ if TYPE_CHECKING:
 BODIES = ("#7fa7c9", "#c9a67f")
 #: Facets of a tooth along its contour and along z, positions at which the window must hold it.
 FACETS, HELD = (16, 3), 4
-#: Width over height of the picture, and space between both bodies as part of their size.
-ASPECT, SPACE = 1.4, 0.05
+#: Space around the bodies, as part of their size.
+SPACE = 0.05
 
 
-@dataclass(frozen=True)
-class Window:
-    """Lower left and upper right corner of the drawing, mm, and the shift (2, 2) of each body."""
+def windows_of(result: Result) -> tuple[Floats, ...]:
+    """Lower left and upper right corner of the drawing, mm; of each body that is over its width.
 
-    corners: Floats
-    shifts: Floats
-
-
-def window_of(result: Result) -> Window:
-    """Window in which the bodies of a result turn."""
+    All positions are within; drawings of several bodies have one size, thus one scale.
+    """
     order = positions_of(result)
     if not is_drawn_over_width(result):
-        return Window(np.array(window([result], order)), np.zeros((2, 2)))
+        return (np.array(window([result], order)),)
     shown = order[:: max(1, len(order) // HELD)]
-    outlines = [
+    outlines = (
         np.vstack([loaded_teeth(result, p, body, *FACETS).outline for p in shown])
         for body in (1, 2)
-    ]
-    low = np.array([outline.min(axis=0) for outline in outlines])
-    size = np.array([np.ptp(outline, axis=0) for outline in outlines])
-    width, height = size.T
-    # beside or above each other, whichever is larger
-    beside = max(width.sum(), ASPECT * height.max()) < max(width.max(), ASPECT * height.sum())
-    along, across = (0, 1) if beside else (1, 0)
-    place = np.zeros((2, 2))
-    place[1 if beside else 0, along] = size[0 if beside else 1, along] + SPACE * size.max()
-    place[:, across] = 0.5 * (size[:, across].max() - size[:, across])
-    far = (place + size).max(axis=0)
-    margin = SPACE * far.max()
-    return Window(np.array([[-margin, -margin], far + margin]), place - low)
+    )
+    ends = np.array([(outline.min(axis=0), outline.max(axis=0)) for outline in outlines])
+    half = (0.5 + SPACE) * np.ptp(ends, axis=1).max(axis=0)
+    return tuple(np.array([middle - half, middle + half]) for middle in ends.mean(axis=1))
 
 
-def drawing_of(result: Result | None, part: float, shown: Window) -> str:
-    """Drawing of the bodies at a part of their positions, with its title; without result empty."""
-    words, paths = "Loaded bodies", ""
+def drawing_of(result: Result | None, part: float, windows: tuple[Floats, ...]) -> str:
+    """Title and drawings of the bodies at a part of their positions; without result empty."""
+    words, drawn = "Loaded bodies", [""] * len(windows)
     if result is not None:
         order = positions_of(result)
         p = order[min(int(part * len(order)), len(order) - 1)]
-        over_width = is_drawn_over_width(result)
-        paths = "".join((_teeth if over_width else _section)(result, p, shown))
         words = f"Loaded bodies at {result.position_deg[p]:.2f}°"
-        if over_width:
+        if is_drawn_over_width(result):
             load = result.width_loads.line_load_N_per_mm
             words += f": up to {load[p].max():.0f} N/mm, of all positions {load.max():.0f}"
-    (left, low), (right, high) = shown.corners.tolist()
-    box = f"{left:.3f} {-high:.3f} {right - left:.3f} {high - low:.3f}"
-    return (
-        f'<h2>{words}</h2><svg viewBox="{box}" role="img" aria-label="{words}">'
-        f'<g transform="scale(1 -1)">{paths}</g></svg>'
-    )
+            drawn = ["".join(_teeth(result, p, body)) for body in (1, 2)]
+        else:
+            drawn = ["".join(_section(result, p, float(np.ptp(windows[0], axis=0).max())))]
+    found = f"<h2>{words}</h2>"
+    for (low, high), paths in zip(windows, drawn, strict=True):
+        box = f"{low[0]:.3f} {-high[1]:.3f} {high[0] - low[0]:.3f} {high[1] - low[1]:.3f}"
+        found += f'<svg viewBox="{box}" role="img" aria-label="{words}">'
+        found += f'<g transform="scale(1 -1)">{paths}</g></svg>'
+    return found
 
 
-def _section(result: Result, p: int, shown: Window) -> Iterator[str]:
-    """Paths of the bodies and their loads in the transverse section."""
-    size = float(np.ptp(shown.corners, axis=0).max())
+def _section(result: Result, p: int, size: float) -> Iterator[str]:
+    """Paths of the bodies and their loads in the transverse section, for a size of the drawing."""
     for body in drawn_bodies(result):
         x, y = body.center_mm
         place = f"translate({x:.3f} {y:.3f}) rotate({degrees(body.angle[p]):.4f})"
@@ -103,19 +88,17 @@ def _section(result: Result, p: int, shown: Window) -> Iterator[str]:
         yield f'<path class="load" d="M{path_text(shape)}Z"/>'
 
 
-def _teeth(result: Result, p: int, shown: Window) -> Iterator[str]:
-    """Paths of the teeth over their width from back to front, with the line load on the flanks."""
+def _teeth(result: Result, p: int, body: int) -> Iterator[str]:
+    """Paths of teeth over their width from back to front, with the line load on the flanks."""
     most = float(result.width_loads.line_load_N_per_mm.max(initial=0.0)) or 1.0
-    for body, shift in enumerate(shown.shifts, start=1):
-        teeth = loaded_teeth(result, p, body, *FACETS)
-        own, mate = BODIES[body - 1], BODIES[2 - body]
-        yield f'<path fill="{mate}" fill-opacity=".45" d="M{path_text(teeth.far + shift)}Z"/>'
-        light = np.frombuffer(bytes.fromhex(own[1:]), dtype=np.uint8)
-        shades = (teeth.shade[:, None] * light).astype(np.uint8)
-        loads = (256 * teeth.load_N_per_mm / most).astype(int).clip(max=255).tolist()
-        colours = [f"#{shade.tobytes().hex()}" for shade in shades]
-        colours += [Inferno256[load] for load in loads]
-        areas = np.concatenate([teeth.facets, teeth.bands]) + shift
-        for area, colour in zip(areas, colours, strict=True):
-            yield f'<path fill="{colour}" stroke="{colour}" d="M{path_text(area)}Z"/>'
-        yield f'<path fill="{own}" d="M{path_text(teeth.face + shift)}Z"/>'
+    teeth = loaded_teeth(result, p, body, *FACETS)
+    own, mate = BODIES[body - 1], BODIES[2 - body]
+    yield f'<path fill="{mate}" fill-opacity=".45" d="M{path_text(teeth.far)}Z"/>'
+    light = np.frombuffer(bytes.fromhex(own[1:]), dtype=np.uint8)
+    shades = (teeth.shade[:, None] * light).astype(np.uint8)
+    loads = (256 * teeth.load_N_per_mm / most).astype(int).clip(max=255).tolist()
+    colours = [f"#{shade.tobytes().hex()}" for shade in shades]
+    colours += [Inferno256[load] for load in loads]
+    for area, colour in zip([*teeth.facets, *teeth.bands], colours, strict=True):
+        yield f'<path fill="{colour}" stroke="{colour}" d="M{path_text(area)}Z"/>'
+    yield f'<path fill="{own}" d="M{path_text(teeth.face)}Z"/>'

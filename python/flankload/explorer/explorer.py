@@ -52,8 +52,8 @@ class Explorer:
         self._pages: set[Page] = set()
         self._rested: Answer | None = None
         self._shown = 0
-        self._worker = Worker(scene, self.keys, self.shown, self._tell, self._progress)
-        mechanism_of(scene).build(scene, None, self._worker.parts)  # refuses impossible bodies
+        self.worker = Worker(scene, self.keys, self.shown, self._tell, self._progress)
+        mechanism_of(scene).build(scene, None, self.worker.parts)  # refuses impossible bodies
         self._server = Server(self._fill, {"report": self._report, "scene.toml": self._toml}, port)
         self.url = self._server.url
         self.ask({})
@@ -97,7 +97,7 @@ class Explorer:
         require("values", values, "a mapping of paths to numbers", fits=isinstance(values, Mapping))
         request = self._request({**self._values, **values}, None, moves=False)
         try:
-            return self._worker.change(request).result()
+            return self.worker.change(request).result()
         except CancelledError:
             raise FlankloadError(CLOSED) from None
 
@@ -107,7 +107,7 @@ class Explorer:
             if self._closed.is_set():
                 return
             self._closed.set()
-        self._worker.close()
+        self.worker.close()
         self._server.close()
 
     def wait(self) -> None:
@@ -129,16 +129,6 @@ class Explorer:
         url = escape(self.url, quote=True)
         return f'<iframe src="{url}" width="100%" height="{INLINE_HEIGHT}" title="{url}"></iframe>'
 
-    @property
-    def reaching(self) -> frozenset[str]:
-        """Keys with sliders that reach the elements."""
-        return self._worker.reaching
-
-    @property
-    def derives(self) -> bool:
-        """Whether the drive has derivatives, which an optimisation needs."""
-        return self._worker.has_elements
-
     # --- for the page -----------------------------------------------------------------------------
     def ask(
         self, values: Mapping[str, float], *, moves: bool = False, source: object = None
@@ -150,10 +140,10 @@ class Explorer:
             with self._lock:
                 self._values = dict(values)
                 request = Request(next(self._numbers), dict(values), self._scene, moves, source)
-            self._worker.ask(None)
+            self.worker.ask(None)
             self._tell(Answer(request, None, error=str(error)))
         else:
-            self._worker.ask(request)
+            self.worker.ask(request)
 
     def undo(self) -> None:
         """Return to the design before."""
@@ -178,14 +168,14 @@ class Explorer:
             best: dict[str, float] = {}
             try:
                 named = scene.replace(changes_of(self.keys, {k.path: x for k, x in start.items()}))
-                progress = self._worker.watched()
+                progress = self.worker.watched()
                 found = optimise(named, variables, figure, progress=progress, starts=STARTS)
                 best = {path: self.keys[path].number(x) for path, x in found.values.items()}
             finally:
                 self.ask({**values, **best})
 
-        self._worker.ask(None)
-        return self._worker.do(run)
+        self.worker.ask(None)
+        return self.worker.do(run)
 
     def close_soon(self) -> None:
         """Close from the thread of the server, which cannot wait for itself."""

@@ -20,7 +20,7 @@ from bokeh.models.widgets.markups import Div
 from bokeh.models.widgets.sliders import Slider
 
 from flankload.explorer import tables
-from flankload.explorer.bodies import Window, drawing_of, window_of
+from flankload.explorer.bodies import drawing_of, windows_of
 from flankload.explorer.curves import curves_of, maps_of
 from flankload.explorer.pictures import PICTURES, Picture, Trail
 from flankload.mechanisms.stage_clock import ELEMENTS
@@ -34,46 +34,10 @@ if TYPE_CHECKING:
     from flankload.explorer.worker import Answer
     from flankload.result import Result
 
-#: Milliseconds between two positions while the bodies turn.
-PLAY_MS = 150
 #: Margin of a slider, pixels: its handle is beyond both ends by half.
 HANDLE = (5, 14, 5, 14)
 #: Steps of the slider of the position.
 PLACES = 64
-#: Changes of models and texts, all in one message: each message of its own would be a task of the
-#: browser. Its number is returned when they are painted.
-RECEIVE = """
-const {number, moves, changes, texts} = sent.data;
-for (const [id, properties] of changes[0]) {
-  // a range is drawn with its data; a signal of its own would draw all layers once more
-  const silent = moves[0] && "reset_end" in properties;
-  sent.document.get_model_by_id(id).setv(properties, {sync: false, silent});
-}
-for (const [id, text] of texts[0]) {
-  document.getElementById(id).innerHTML = text;
-}
-requestAnimationFrame(() => setTimeout(() => {
-  window.flankload_painted = number[0];
-  painted.data = {number: [number[0]]};
-}, 0));
-"""
-ENDED = """
-document.getElementById("status").innerHTML = '<span class="line broken">The explorer is closed.</span>';
-"""
-PLAY = f"""
-clearInterval(this.turning);
-const next = () => {{ place.value = (place.value + 1) % {PLACES}; }};
-if (this.active) this.turning = setInterval(next, {PLAY_MS});
-"""
-COPY = """
-fetch("scene.toml", {cache: "no-store"}).then(answer => answer.text()).then(text => {
-  window.flankload_copied = text;
-  return navigator.clipboard.writeText(text);
-}).then(() => {
-  cb_obj.label = "copied";
-  setTimeout(() => { cb_obj.label = "copy scene"; }, 1500);
-}).catch(() => window.open("scene.toml"));
-"""
 
 
 class Page:
@@ -93,7 +57,7 @@ class Page:
         self._inputs: dict[str, tuple[Slider, Spinner, Div]] = {}
         self._setting = self._open = True
         self._newest = self._painted_number = self._sent = 0
-        self._window: Window | None = None
+        self._windows: tuple[Any, ...] = ()
         self._waiting: Answer | None = None
         self._shown: Answer | None = None
         self._pinned: Answer | None = None
@@ -102,11 +66,14 @@ class Page:
         self._pictures = {name: Picture(name, self._change) for name in PICTURES}
         self._trail = Trail(self._change, explorer.ask)
         self._message, painted = ColumnDataSource(), ColumnDataSource({"number": [0]})
-        receive = CustomJS(args={"sent": self._message, "painted": painted}, code=RECEIVE)
+        receive = CustomJS(
+            args={"sent": self._message, "painted": painted},
+            code="flankload.receive(sent, painted)",
+        )
         self._message.js_on_change("data", receive)
         document.js_on_event("document_ready", receive)
         painted.on_change("data", self._on_painted)
-        document.js_on_event("connection_lost", CustomJS(code=ENDED))
+        document.js_on_event("connection_lost", CustomJS(code="flankload.end()"))
         roots = {
             "keys": _column(*(self._key(key) for key in explorer.shown), self._more()),
             "buttons": self._buttons(),
@@ -160,7 +127,7 @@ class Page:
         found = derived.sensitivity if derived is not None and current else None
         effects = tables.effects(self._explorer.keys, self._select.value, found)
         for path, (_, _, name) in self._inputs.items():
-            key, reaching = self._explorer.keys[path], path in self._explorer.reaching
+            key, reaching = self._explorer.keys[path], path in self._explorer.worker.reaching
             text = tables.key_name(key, effects.get(path, ("", 0.0)), reaching=reaching)
             self._change(name, text=text)
         self._send(progress="")
@@ -204,17 +171,15 @@ class Page:
         columns = {} if result is None else {**curves_of(result), **maps_of(result)}
         for name, picture in self._pictures.items():
             picture.show(columns.get(name), result)
-        if result is not None and (self._window is None or answer.at_rest):
-            self._window = window_of(result)
+        if result is not None and (answer.at_rest or not self._windows):
+            self._windows = windows_of(result)  # fixed while a key moves
         pinned = self._pinned.result if self._pinned else None
         self._send(figures=tables.figures(result, pinned), bodies=self._drawing(), **texts)
 
     def _drawing(self) -> str:
         """The bodies at the position of the slider."""
         assert self._shown is not None
-        if self._window is None:
-            return ""
-        return drawing_of(self._shown.result, self._place.value / PLACES, self._window)
+        return drawing_of(self._shown.result, self._place.value / PLACES, self._windows)
 
     def _offer(self, result: Result) -> None:
         """Figures that the result has, to choose from."""
@@ -272,10 +237,10 @@ class Page:
     def _buttons(self) -> Any:
         actions = {
             "pin": self._on_pin, "undo": self._explorer.undo, "optimise": self._on_optimise,
-            "copy scene": CustomJS(code=COPY), "report": CustomJS(code='window.open("report")'),
-            "close": self._explorer.close_soon,
+            "copy scene": CustomJS(code="flankload.copy(cb_obj.origin)"),
+            "report": CustomJS(code='window.open("report")'), "close": self._explorer.close_soon,
         }  # fmt: skip
-        if not self._explorer.derives:
+        if not self._explorer.worker.has_elements:
             del actions["optimise"]
         made = [Button(label=label, name=label, **self._look) for label in actions]
         for button, action in zip(made, actions.values(), strict=True):
@@ -288,7 +253,9 @@ class Page:
         self._place = self._slider("position", 0, PLACES - 1, 1, 0)
         self._place.on_change("value", self._on_place)
         play = Toggle(label="▶", width=40, **self._named("turn the bodies"))
-        play.js_on_change("active", CustomJS(args={"place": self._place}, code=PLAY))
+        play.js_on_change(
+            "active", CustomJS(args={"place": self._place}, code="flankload.play(this, place)")
+        )
         return _row(play, self._place)
 
     def _choice(self) -> Any:
@@ -301,7 +268,7 @@ class Page:
     # --- events -----------------------------------------------------------------------------------
     def _on_value(self, path: str, attr: str, old: Any, new: Any, *, released: bool) -> None:
         """A value of a key; those that reach the elements act when they are released."""
-        reaching = path in self._explorer.reaching
+        reaching = path in self._explorer.worker.reaching
         if self._setting or released != reaching or not isinstance(new, int | float):
             return
         number = self._explorer.keys[path].number(new) if new == new else new

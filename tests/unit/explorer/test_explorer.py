@@ -19,7 +19,7 @@ from bokeh.document import Document
 from bokeh.palettes import Inferno256
 
 import flankload as fl
-from flankload.explorer.bodies import drawing_of, window_of
+from flankload.explorer.bodies import drawing_of, windows_of
 from flankload.explorer.keys import keys_of, shown_keys
 from flankload.explorer.page import Page
 from flankload.explorer.pictures import Picture
@@ -284,9 +284,9 @@ def test_teeth_over_their_width_carry_the_line_load_of_each_contact() -> None:
     )
     found = solve(scene)
     assert isinstance(found, fl.Result)
-    window = window_of(found)
+    windows = windows_of(found)
     for part, p in ((0.0, 0), (0.9, 1)):
-        drawing = drawing_of(found, part, window)
+        drawing = drawing_of(found, part, windows)
         assert f"at {found.position_deg[p]:.2f}°" in drawing
         loads = found.slices.line_load_N_per_mm
         fills = re.findall('fill="(#[0-9A-Fa-f]*)"', drawing)
@@ -294,9 +294,10 @@ def test_teeth_over_their_width_carry_the_line_load_of_each_contact() -> None:
         assert len(bands) == 2 * np.count_nonzero(loads[p])
         brightest = Inferno256[min(int(256 * loads[p].max() / loads.max()), 255)]
         assert max(map(Inferno256.index, bands)) == Inferno256.index(brightest)
-        points = np.array(re.findall("[ML]([-.0-9]+) ([-.0-9]+)", drawing), dtype=float)
-        assert (window.corners[0] < points.min(axis=0)).all()
-        assert (points.max(axis=0) < window.corners[1]).all()
+        for window, svg in zip(windows, drawing.split("</svg>"), strict=False):
+            points = np.array(re.findall("[ML]([-.0-9]+) ([-.0-9]+)", svg), dtype=float)
+            assert (window[0] < points.min(axis=0)).all()
+            assert (points.max(axis=0) < window[1]).all()
 
 
 # --- gate -----------------------------------------------------------------------------------------
