@@ -62,7 +62,7 @@ def main(names: list[str]) -> None:
     relief = {"body_1.tip_relief_um": 45, "body_2.tip_relief_um": 45}
     gear, helical = SCENES / "external_gear.toml", SCENES / "helical_gear.toml"
     draw(gear, PICTURES / "explorer_gear.png", changes=relief)
-    draw(helical, PICTURES / "explorer_helical.png", (1240, 1000), dark=True,
+    draw(helical, PICTURES / "explorer_helical.png", (1240, 1160), dark=True,
          changes={"pair.deviation_um_per_mm": 0.5})  # fmt: skip
     draw(gear, PICTURES / "explorer_phone.png", PHONE, changes=relief)
 

@@ -146,9 +146,10 @@ class Explorer:
             self.worker.ask(request)
 
     def undo(self) -> None:
-        """Return to the design before."""
-        if len(self.trail) > 1:
+        """Return to the design before; to the last one with a result if this one has none."""
+        if len(self.trail) > 1 and self.trail[-1].request.values == self._values:
             self.trail.pop()
+        if self.trail:
             self.ask(self.trail[-1].request.values)
 
     def optimise(self, figure: str) -> Future[Any]:

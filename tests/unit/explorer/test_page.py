@@ -104,6 +104,10 @@ def test_undo_returns_to_the_design_before(explorer: Any, browser: Browser) -> N
     browser.value("deep('.bk-btn').find(b => b.innerText === 'undo').click()")
     browser.wait(f"{TYPED}[0].value == 150")
     assert explorer.scene.load.torque_Nm == 150.0
+    browser.value(f"({TYPE})({TYPED}[0], -1)")
+    browser.wait(BROKEN)
+    browser.value("deep('.bk-btn').find(b => b.innerText === 'undo').click()")
+    browser.wait(f"{TYPED}[0].value == 150 && !({BROKEN})")
 
 
 def test_no_request_leaves_the_machine_and_no_script_fails(explorer: Any, browser: Browser) -> None:
