@@ -205,14 +205,14 @@ def _errors(
     flat = max(least_rad, LEAST_VARIATION * abs(curve.mean()))
     smallest = max(amplitudes.min(), LEAST_HARMONIC * amplitudes.max(), LEAST_HARMONIC * flat)
     doubt = 2.0 / curve.length * curve.doubt_integrals().sum()
-    above, below = _overshoot(curve, rotation)
+    above, below = overshoot(curve, rotation)
     return PositionErrors(
         harmonics=float(SAFETY * doubt / smallest),
         peak_to_peak=float(SAFETY * (above.max() + below.max()) / max(np.ptp(rotation), flat)),
     )
 
 
-def _overshoot(curve: PositionCurve, rotation: Floats) -> tuple[Floats, Floats]:
+def overshoot(curve: PositionCurve, rotation: Floats) -> tuple[Floats, Floats]:
     """Two (N,) arrays: how far the curve may exceed the largest and the smallest known value."""
     least, greatest = curve.bounds()
     above = np.maximum(0.0, greatest - rotation.max())
@@ -235,7 +235,7 @@ def _next_positions(
             weight = curve.doubt_integrals()
             weight /= weight.max()
         if error.peak_to_peak > tolerance:
-            for over in _overshoot(curve, part.rotation_rad):
+            for over in overshoot(curve, part.rotation_rad):
                 if over.max() > 0.25 * tolerance * np.ptp(part.rotation_rad):
                     weight = np.maximum(weight, over / over.max())
         place, width = _inside(curve)

@@ -23,7 +23,7 @@ from flankload.base.rounding import TIE
 from flankload.contact.status import on_corner
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Flags, Floats, Numbers
+    from flankload.base.arrays import Flags, Floats
     from flankload.contact.sweep import Sweep
 
 
@@ -73,12 +73,16 @@ MODES = Rule(0.4, 2.3, 1.0, 2.3)
 #: chamfers, which have modes of their own, neither bounds the error: it was up to 40 times the
 #: peak's own change and 30 times that of the share (7 of 60 gears and rings).
 SHARE_TO_PEAK = 3.0
-#: Half as many nodes: if the error is only proportional to their distance, it equals the change.
+#: Half as many nodes or slices: if the error is only proportional to their distance, it equals the
+#: change.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
-#: Without the two highest modes along the profile or degrees along the axis, with half as many
-#: slices. Line loads and pressures at an end converge with the second power of these numbers, so
-#: that from 3 to 5 degrees a half of the change remains; signs vary, and changes of two sources at
-#: one place may cancel.
+#: Half as many slices, compared on these. A slice in which a contact ends has the same relative
+#: error at any width, and two halves together have at least a half of it less: line loads and
+#: pressures err by up to twice the change.
+SLICES = Rule(0.5, 0.5, 1.5, 0.5)
+#: Without the two highest modes along the profile or degrees along the axis. Line loads and
+#: pressures at an end converge with the second power of these numbers, so that from 3 to 5 degrees a
+#: half of the change remains; signs vary, and changes of two sources at one place may cancel.
 SERIES = Rule(0.0, 0.75, 0.75, 0.75)
 #: Rotations and load shares converge like a geometric series, with the ratio of the last two steps;
 #: terms alternate in size, so that the next ratio may be four times as large. Shares are ratios of
@@ -86,11 +90,6 @@ SERIES = Rule(0.0, 0.75, 0.75, 0.75)
 NEXT_RATIO = 4.0
 #: Ending of the names of sweeps with two steps of a source.
 BEFORE = " before"
-#: Doubt of single line loads, relative to that of pressures: where a contact ends within a slice,
-#: they change with the first power of the slices' width.
-LINE_LOADS = 2.0
-#: Line loads of at least this part of the largest one may be the largest: less than their error.
-NEARLY_LARGEST = 0.99
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
@@ -177,14 +176,15 @@ def remaining_errors(
         "transmission_error_mean": _of_mean(turning, change, rotation),
         "transmission_error_peak_to_peak": _of_peak_to_peak(turning, change, rotation),
     }
-    for name, softness in (
-        ("stiffness_secant", [s.rotation_rad - unloaded for s in (found, base, other)]),
-        ("stiffness_tangent", [s.tangent_rad_per_Nmm for s in (found, base, other)]),
+    for name, softness, largest in (
+        ("stiffness_secant", [s.rotation_rad - unloaded for s in (found, base, other)], np.inf),
+        # with steps where the loaded pairs change
+        ("stiffness_tangent", [s.tangent_rad_per_Nmm for s in (found, base, other)], LARGEST_KINK),
     ):
         stiffness = [mean_stiffness(values) for values in softness]
         one, two, three = stiffness
         if one is not None and two is not None and three is not None:
-            change = np.where(np.abs(three - two) <= LARGEST_KINK * one, three - two, 0.0)
+            change = np.where(np.abs(three - two) <= largest * one, three - two, 0.0)
             errors[name] = _of_mean(turning, change, one)
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
@@ -194,41 +194,55 @@ def remaining_errors(
     return errors
 
 
+def of_touch(found: Sweep, coarser: Sweep) -> dict[str, RemainingError]:
+    """Error of slices in the state without torque, from that of half as many slices.
+
+    A slice touches with its mean gap, later than one of its ends.
+    """
+    unloaded = found.unloaded
+    if unloaded is None:
+        return {}
+    change = coarser.rotation_rad - unloaded.rotation_rad
+    one, other = mean_stiffness(found.turned_rad), mean_stiffness(found.turned_rad - change)
+    if one is None or other is None:
+        return {}
+    return {"stiffness_secant": _of_mean(NODES, other - one, one)}
+
+
 def _of_line_loads(
     rule: Rule, found: Sweep, base: Sweep, other: Sweep, weights: Floats
 ) -> dict[str, RemainingError]:
-    """Errors of single line loads, of the largest one, and of both load factors."""
-    largest = float(np.max(_line_loads(found, found)))
-    change = _line_loads(other, other) - _line_loads(base, other)
-    change = change[..., _slices_around(found, other)]
-    change = np.where(on_corner(found.slices.corner), 0.0, change)
-    errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, largest)}
-    around = _slices_around(found, other)
+    """Errors of single line loads, of the largest one, and of both load factors.
+
+    They are compared on the slices of the other sweep.
+    """
+    middle = 0.5 * (found.slices.edges_mm[1:] + found.slices.edges_mm[:-1])
+    around = np.searchsorted(other.slices.edges_mm, middle) - 1
+    found, base = (_on_slices_of(other, part) for part in (found, base))
+    width = np.diff(other.slices.edges_mm)
+    one, two, three = (part.slices.force_N / width for part in (found, base, other))
+    change = np.where(on_corner(found.slices.corner), 0.0, three - two)[..., around]
+    errors = {LINE_LOAD: _at_each(_of_pressures(rule), change, one.max())}
     for name, loads_of in (
         (FACE_LOAD, partial(loads_over_period, weights=weights)),
         (LINE_FACTOR, relative_loads),
         (PEAK_LINE, line_loads),
     ):
         one, two, three = (loads_of(part) for part in (found, base, other))
-        # where the largest one is found may change
-        change = np.where(one >= NEARLY_LARGEST * one.max(), three[..., around] - two, 0.0)
-        largest = change.flat[np.abs(change).argmax()]
-        errors[name] = _at_each(_of_pressures(rule), np.array([largest]), one.max())
+        each = _at_each(_of_pressures(rule), three - two, one.max())
+        errors[name] = _of_largest(each, one / one.max())
     return errors
 
 
-def _line_loads(part: Sweep, on: Sweep) -> Floats:
-    """(P, S, J) Force per mm of face width in the slices of `on`, whose edges are among its own."""
-    mine, others = part.slices, on.slices
-    first = np.searchsorted(mine.edges_mm, others.edges_mm[:-1])
-    return np.asarray(np.add.reduceat(mine.force_N, first, axis=2) / np.diff(others.edges_mm))
-
-
-def _slices_around(part: Sweep, other: Sweep) -> Numbers:
-    """Slices of another sweep that contain those of a sweep."""
-    edges = part.slices.edges_mm
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    return np.asarray(np.searchsorted(other.slices.edges_mm, middle) - 1)
+def _on_slices_of(other: Sweep, part: Sweep) -> Sweep:
+    """A sweep on the slices of another one, whose edges are among its own."""
+    slices, edges = part.slices, other.slices.edges_mm
+    if edges.size == slices.edges_mm.size:
+        return part
+    first = np.searchsorted(slices.edges_mm, edges[:-1])
+    force = np.add.reduceat(slices.force_N, first, axis=2)
+    corner = np.maximum.reduceat(slices.corner, first, axis=2)
+    return replace(part, slices=replace(slices, edges_mm=edges, force_N=force, corner=corner))
 
 
 def _of_series(rule: Rule, change: Floats, before: Floats) -> Rule:
@@ -238,9 +252,9 @@ def _of_series(rule: Rule, change: Floats, before: Floats) -> Rule:
     return replace(rule, doubt=min(rule.doubt, ratio), doubt_overall=min(rule.doubt_overall, ratio))
 
 
-def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:
-    """The rule with its doubt for pressures, or with a part of that."""
-    return replace(rule, doubt=part * rule.doubt_pressure)
+def _of_pressures(rule: Rule) -> Rule:
+    """The rule with its doubt for pressures."""
+    return replace(rule, doubt=rule.doubt_pressure)
 
 
 def _at_each(rule: Rule, change: Floats, whole: float | np.floating) -> RemainingError:
@@ -295,9 +309,18 @@ def _largest_peak(found: Sweep) -> float:
 def at_largest_peak(peaks: RemainingError, found: Sweep) -> RemainingError:
     """Error of the largest pressure off sharp corners, from those of all peaks (P, S)."""
     smooth = np.where(_smooth(found), found.site_peak_N_per_mm, 0.0)
-    place = np.unravel_index(smooth.argmax(), smooth.shape)
-    error, doubt = (np.broadcast_to(part, smooth.shape)[place] for part in peaks)
-    return RemainingError(float(error), float(doubt))
+    return _of_largest(peaks, smooth / smooth.max())
+
+
+def _of_largest(each: RemainingError, values: Floats) -> RemainingError:
+    """Error of the largest of some values, relative to it, from their errors.
+
+    Another value is the largest if its error exceeds its distance to the largest one.
+    """
+    error, doubt = (np.broadcast_to(part, values.shape) for part in each)
+    most = float((values + np.abs(error) + doubt).max()) - 1.0
+    of_largest = float(error.flat[values.argmax()])
+    return RemainingError(of_largest, most - abs(of_largest))
 
 
 def any_smooth_peak(found: Sweep) -> bool:

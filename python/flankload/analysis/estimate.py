@@ -27,7 +27,8 @@ elements make it too stiff, positions err either way. Errors are added with thei
 cancel; doubts are independent and are added as squares. The estimate is the sum of both. It is
 exceeded in about 1 of 20 cases if the doubt is two standard deviations.
 
-Changes caused by the compliance hardly depend on the cells, so they are computed with coarse cells.
+Changes caused by the compliance hardly depend on the cells, so they are computed with coarse cells;
+sweeps are repeated at the deciding positions only (`deciding_positions`).
 """
 
 from __future__ import annotations
@@ -53,6 +54,7 @@ from flankload.analysis.error_rules import (
     PEAK_LINE,
     PEAK_PRESSURE,
     SERIES,
+    SLICES,
     STRIPS,
     RemainingError,
     any_smooth_peak,
@@ -63,13 +65,14 @@ from flankload.analysis.error_rules import (
 )
 from flankload.analysis.period_error import HARMONICS_KEY
 from flankload.contact.status import on_corner
+from flankload.contact.sweep import join_sweeps
 from flankload.errors import ContactError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from flankload.analysis.adaptive_positions import PositionErrors
-    from flankload.base.arrays import Floats
+    from flankload.base.arrays import Floats, Numbers
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.scene.discretization import Grid
@@ -190,6 +193,7 @@ def estimate_errors(
     weights: Floats,
     *,
     variants: Mapping[str, Mapping[str, object]],
+    at: Numbers | None = None,
     lumped: Callable[[int], dict[str, RemainingError]] | None = None,
     sources: Mapping[str, Callable[[Sweep], dict[str, RemainingError]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
@@ -200,17 +204,19 @@ def estimate_errors(
     found : tuple of Sweep
         The sweep, one part per torque, each with its tangents.
     run : callable
-        run(compliances=…, grid=…, part=…) repeats the sweep with other compliances or cells; part
-        counts the calls from 0.
+        run(compliances=…, grid=…, part=…) repeats the sweep with other compliances or cells at the
+        positions `at`; part counts the calls from 0.
     compliances
         Those of the sweep.
     cells : Grid
         Cells of the reduced sweeps: coarser ones, those of the sweep if contacts are lumped.
-    weights : (P,) array
-        Parts of the positions in means over the period.
+    weights : (n,) array
+        Parts of the positions `at` in means over the period.
     variants : mapping
         Arguments of `run` for the reduced sweeps, by the source whose error their change shows;
         always "modes". Those of a source with `BEFORE` have twice the change.
+    at : (n,) array or None
+        Indices of the positions at which sweeps are repeated; None for all.
     lumped : callable or None
         Errors of the lumped contacts of a torque, by its index; None if contacts have cells.
     sources : mapping
@@ -221,7 +227,8 @@ def estimate_errors(
     -------
     tuple of Estimate, one per torque
     """
-    coarse = found if lumped is not None else run(compliances=compliances, grid=cells, part=0)
+    some = found if at is None else tuple(join_sweeps([part], at) for part in found)
+    coarse = some if lumped is not None else run(compliances=compliances, grid=cells, part=0)
     others: dict[str, tuple[Sweep, ...]] = {}
     for number, (source, arguments) in enumerate(variants.items(), start=1):
         # the states of a reduced sweep may not converge where those of the sweep do
@@ -231,15 +238,16 @@ def estimate_errors(
             )
     missing = ", ".join(source for source in variants if source not in others)
     estimates = []
-    for t, part in enumerate(found):
+    for t, (whole, part) in enumerate(zip(found, some, strict=True)):
         errors: dict[str, dict[str, RemainingError]] = {}
         if lumped is None:
             errors |= _of_cells(part, coarse[t], weights)
         else:
             errors["lumped"] = lumped(t)
         each = {source: other[t] for source, other in others.items()}
-        errors |= _of_compliances(part, coarse[t], each, compliances, weights)
-        errors |= {source: own for source, of in sources.items() if (own := of(part))}
+        slowly = _converges_slowly(whole, compliances)
+        errors |= _of_compliances(part, coarse[t], each, compliances, weights, slowly=slowly)
+        errors |= {source: own for source, of in sources.items() if (own := of(whole))}
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in errors.values():
                 parts.pop(PEAK_PRESSURE, None)
@@ -247,7 +255,7 @@ def estimate_errors(
         for parts in errors.values():
             if PEAK_PRESSURE in parts and LARGEST_PRESSURE not in parts:
                 parts[LARGEST_PRESSURE] = at_largest_peak(parts[PEAK_PRESSURE], part)
-        uncertain = _uncertain_pressure(part, compliances)
+        uncertain = _uncertain_pressure(whole, compliances)
         if missing:
             quantities = set().union(*errors.values())
             uncertain |= dict.fromkeys(sorted(quantities), MISSING.format(missing))
@@ -290,12 +298,13 @@ def _of_compliances(
     others: Mapping[str, Sweep],
     compliances: tuple[BodyCompliance, ...],
     weights: Floats,
+    *,
+    slowly: bool,
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
-    series = not _converges_slowly(part, compliances)
-    of_modes = SERIES if series or not coarse.slices.plane else MODES
-    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS}
+    of_modes = MODES if slowly and coarse.slices.plane else SERIES
+    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS, "slices": SLICES}
     errors = {
         source: remaining_errors(
             rules.get(source, SERIES),
@@ -303,7 +312,7 @@ def _of_compliances(
             coarse,
             other,
             weights,
-            before=others.get(source + BEFORE) if series else None,
+            before=None if slowly else others.get(source + BEFORE),
         )
         for source, other in others.items()
         if not source.endswith(BEFORE)

@@ -1,9 +1,7 @@
-"""Error of lumped contacts: in slices by cells at a few positions, else from measurements.
+"""Error of lumped contacts: in slices by cells at the deciding positions, else from measurements.
 
 The same bodies, slices and positions with cells show what one unknown for each place of contact
-omits: edges of contacts, corners, roundings, and pressures where contact lines end. The positions
-are those with the most load on sharp corners or beside corners, kinks and ends, with the largest
-pressure, the largest line load, the largest and the smallest rotation, and some between.
+omits: edges of contacts, corners, roundings, and pressures where contact lines end.
 """
 
 from __future__ import annotations
@@ -26,21 +24,17 @@ from flankload.analysis.error_rules import (
     remaining_errors,
 )
 from flankload.analysis.estimate import OVERALL
-from flankload.analysis.load_factors import largest_line_loads
-from flankload.contact.status import is_marked, on_corner
-from flankload.contact.sweep import join_sweeps
+from flankload.contact.status import is_marked
 from flankload.scene.discretization import Grid
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from flankload.base.arrays import Floats
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
 
-#: Number of positions with cells, and these: two thirds of those of a run change the rotation by
-#: 0.02 % and line loads by 0.7 % at most, in less than half of the time.
-POSITIONS_WITH_CELLS, FEW_CELLS = 6, Grid(4.0, 6.0, 2.0)
+#: Cells for this comparison: two thirds of those of a run change the rotation by 0.02 % and line
+#: loads by 0.7 % at most, in less than half of the time.
+FEW_CELLS = Grid(4.0, 6.0, 2.0)
 #: The change by cells is the error itself where it is known; other positions may have twice that.
 CELLS = Rule(0.0, 2.0, 2.0, 0.0, doubt_scatter=2.0)
 #: Error of lumped contacts, with h/L the largest half-width over the length of the shorter flank:
@@ -67,43 +61,17 @@ SPREAD = {
 }
 
 
-def positions_for_cells(found: Sweep) -> NDArray[np.int64]:
-    """Positions of a sweep in slices whose contacts are compared with cells."""
-    slices = found.slices
-    corner, force = slices.corner_off_ends, slices.force_N
-    which = on_corner(corner), is_marked(corner)
-    on_corners, marked = (np.where(loads, force, 0.0).sum(axis=(1, 2)) for loads in which)
-    count = found.status.size
-    # those on corners first; the sums are sorted with equal ones in their order
-    worst = np.lexsort((-marked, -on_corners))[:2]
-    rotation = found.rotation_rad
-    largest = [found.site_peak_N_per_mm.max(axis=1), largest_line_loads(found), rotation, -rotation]
-    between = np.linspace(0, count, POSITIONS_WITH_CELLS, endpoint=False).astype(int)
-    wanted = [*worst, *(values.argmax() for values in largest), *between]
-    return np.array(sorted(list(dict.fromkeys(map(int, wanted)))[:POSITIONS_WITH_CELLS]))
-
-
-def error_beside_cells(
-    found: Sweep, cells: Sweep, at: NDArray[np.int64], weights: Floats
-) -> dict[str, RemainingError]:
+def error_beside_cells(part: Sweep, cells: Sweep, weights: Floats) -> dict[str, RemainingError]:
     """Errors of lumped contacts in slices, by quantity.
 
-    Parameters
-    ----------
-    found, cells : Sweep
-        The sweep, and its positions `at` with cells.
-    at : (n,) array
-        Indices of these positions.
-    weights : (P,) array
-        Parts of the positions in means over the period.
+    `part` and `cells` are the same positions without and with cells, `weights` (P,) the parts of
+    the positions in means over the period.
     """
-    part = join_sweeps([found], at)
-    some = weights[at] if weights[at].any() else np.ones(at.size)
-    errors = remaining_errors(CELLS, part, part, cells, some)
+    errors = remaining_errors(CELLS, part, part, cells, weights)
     errors[LARGEST_PRESSURE] = at_largest_peak(errors[PEAK_PRESSURE], part)
     change = cells.rotation_rad - part.rotation_rad
     errors["transmission_error_peak_to_peak"] = RemainingError.relative(
-        0.0, CELLS.doubt * float(np.ptp(change)), np.ptp(found.rotation_rad)
+        0.0, CELLS.doubt * float(np.ptp(change)), np.ptp(part.rotation_rad)
     )
     # the tangent of cells is that of fixed zones
     if "stiffness_secant" in errors:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.analysis.adaptive_positions import overshoot
 from flankload.analysis.error_rules import (
     FACE_LOAD,
     LINE_FACTOR,
@@ -69,12 +70,15 @@ def of_positions(
 def _of_largest(values: Floats) -> RemainingError:
     """Error of the largest value.
 
-    A curve that jumps beside the sample continues for one step at most, with the slope of its
-    other side.
+    A curve that jumps beside the sample continues for one step at most, as the parabola through the
+    sample and both on its smooth side, if that bends downwards.
     """
     at = int(values.argmax())
-    beside = max(values[at - 1], values[(at + 1) % values.size])
-    return RemainingError.relative(0.0, float(values[at] - beside), values[at])
+    around = values[(at + np.array([[-1, -2], [1, 2]])) % values.size]
+    one, (two, three) = values[at], around[around[:, 0].argmax()]
+    curvature, beyond = min(one - 2.0 * two + three, 0.0), np.linspace(0.0, 1.0, BETWEEN)
+    excess = beyond * (one - two + 0.5 * (1.0 + beyond) * curvature)
+    return RemainingError.relative(0.0, float(excess.max()), one)
 
 
 def _of_mean_load(found: Sweep, window: Window, position_rad: Floats) -> RemainingError:
@@ -119,12 +123,12 @@ def between_positions(
     changes = window.changes(loaded)
     rotation = part.rotation_rad
     hidden = _hidden(loaded, changes) if window.sites.size > 1 else 0.0
+    through = window.curve_of(position_rad, rotation, changes)
 
-    def of_mean(values: Floats, kinks: Flags) -> RemainingError:
-        through = window.curve_of(position_rad, values, kinks)
+    def of_mean(values: Floats, curve: PositionCurve, kinks: Flags) -> RemainingError:
         mean = window.curve_of(position_rad, values, changes).mean() if adaptive else values.mean()
-        missed = mean - through.mean()
-        open_kinks = through.doubt_integrals()[kinks].sum() / through.length
+        missed = mean - curve.mean()
+        open_kinks = curve.doubt_integrals()[kinks].sum() / curve.length
         doubts = (
             DOUBT_MEAN * missed,
             DOUBT_KINKS * open_kinks,
@@ -132,21 +136,25 @@ def between_positions(
         )
         return RemainingError.relative(missed, float(np.linalg.norm(doubts)), mean)
 
-    found = {"transmission_error_mean": of_mean(rotation, changes)}
+    found = {"transmission_error_mean": of_mean(rotation, through, changes)}
     secant = mean_stiffness(part.turned_rad)
     if secant is not None:
         kinks = changes
         if part.unloaded is not None:
             kinks = changes | window.changes(part.unloaded.touches)
-        found["stiffness_secant"] = of_mean(secant, kinks)
+        found["stiffness_secant"] = of_mean(
+            secant, window.curve_of(position_rad, secant, kinks), kinks
+        )
     if adaptive:
         return found
-    through = window.curve_of(position_rad, rotation, changes)
-    sharp = window.curve_of(position_rad, rotation, changes & window.changes(_half_loaded(part)))
-    between = np.ptp(sharp.values(np.linspace(*sharp.ends, BETWEEN * rotation.size)))
-    missed = float(np.ptp(rotation) - between)
+    curves, bound = [through], 0.0
+    if not (part.slices.plane and changes.any()):  # kinks over the width are soft
+        smooth = window.curve_of(position_rad, rotation, np.zeros_like(changes))
+        curves, bound = [through, smooth], sum(one.max() for one in overshoot(smooth, rotation))
+    fine = np.linspace(*through.ends, BETWEEN * rotation.size)
+    missed = float(np.ptp(rotation) - max(np.ptp(curve.values(fine)) for curve in curves))
     found["transmission_error_peak_to_peak"] = RemainingError.relative(
-        missed, DOUBT_PEAK_TO_PEAK * abs(missed), np.ptp(rotation)
+        missed, float(np.hypot(DOUBT_PEAK_TO_PEAK * missed, bound)), np.ptp(rotation)
     )
     tangent = mean_stiffness(part.tangent_rad_per_Nmm)
     if tangent is not None:
@@ -155,16 +163,6 @@ def between_positions(
         doubt = float(np.hypot(doubt, HIDDEN * hidden * mean))
         found["stiffness_tangent"] = RemainingError.relative(missed, doubt, mean)
     return found
-
-
-def _half_loaded(part: Sweep) -> Flags:
-    """(P, S) Sites that carry load, of slices in at least half as many as at any position.
-
-    Pairs whose slices enter contact in turn, over more than a step, cause no kink at which the
-    rotation is extreme.
-    """
-    count = np.count_nonzero(part.slices.force_N, axis=2)
-    return np.asarray(2 * count >= max(1, count.max()))
 
 
 def _open_window(part: Sweep) -> dict[str, RemainingError]:

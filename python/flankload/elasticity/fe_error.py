@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Material
 
 #: Elements times loads in a block, whose arrays fit the cache.
-BLOCK = 320
+BLOCK = 1280
 #: Part of the energy of the error that stress recovery finds on quadratic triangles.
 TRIANGLES = 0.5
 

@@ -26,8 +26,9 @@ DEGREE = 3
 #: Quadrature nodes on a piece: the product of a cubic and a harmonic is exact to roundoff if the
 #: piece is no longer than one and a half waves.
 GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(16)
-#: Number of bisections for the intersection of the curves from both sides: exact to roundoff.
-MEETING_STEPS = 54
+#: Parts into which an interval is divided for the intersection of the curves from both sides, and
+#: how often: exact to roundoff.
+MEETING_PARTS, MEETING_STEPS = 64, 9
 
 
 @dataclass(frozen=True)
@@ -286,11 +287,13 @@ def _meeting(
         np.stack([getattr(side, name) for side in (before, after)], axis=1)
         for name in ("nodes", "coefficients")
     )
+    part = np.arange(1, MEETING_PARTS) / MEETING_PARTS
     for _ in range(MEETING_STEPS):
-        middle = 0.5 * (low + high)
-        values = _newton(nodes, coefficients, middle[:, None, None])[..., 0]
-        beyond = (values[:, 0] - values[:, 1]) * at_low <= 0
-        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+        inside = low[:, None] + (high - low)[:, None] * part
+        values = _newton(nodes, coefficients, inside[:, None])
+        before_it = np.cumprod((values[:, 0] - values[:, 1]) * at_low[:, None] > 0, axis=1)
+        ends, first = np.column_stack([low, inside, high]), before_it.sum(axis=1)
+        low, high = (ends[np.arange(low.size), first + k] for k in (0, 1))
     return 0.5 * (low + high), meets
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from flankload.analysis.deciding_positions import DECIDING
 from flankload.analysis.estimate import n_sweeps
 from flankload.analysis.tangent import SIDES
 from flankload.bodies.body import SectorMesh, WholeMesh
@@ -256,10 +257,12 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
         none |= {"influence_columns_tangential": 0}
     if pair.adaptive:
         return dict.fromkeys(states, none)
-    positions = pair.position_rad.size
+    positions = dict.fromkeys(states, pair.position_rad.size)
+    if "estimate" in states:
+        positions["estimate"] = min(DECIDING, pair.position_rad.size)
     return {
         stage: none
-        | {"states": count * positions}
-        | ({"slices": slices[stage] * positions} if stage in slices else {})
+        | {"states": count * positions[stage]}
+        | ({"slices": slices[stage] * positions[stage]} if stage in slices else {})
         for stage, count in states.items()
     }

@@ -8,20 +8,17 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
+from flankload.analysis.deciding_positions import deciding_positions
+from flankload.analysis.error_rules import of_touch
 from flankload.analysis.estimate import estimate_errors
-from flankload.analysis.lumped_error import (
-    FEW_CELLS,
-    error_beside_cells,
-    measured_error,
-    positions_for_cells,
-)
+from flankload.analysis.lumped_error import FEW_CELLS, error_beside_cells, measured_error
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
 from flankload.base.number_text import percent
 from flankload.contact.status import on_corner
-from flankload.contact.sweep import known_contacts, sweep
+from flankload.contact.sweep import join_sweeps, known_contacts, sweep
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
 from flankload.mechanisms.elements import (
@@ -222,18 +219,20 @@ def error_estimates(
     estimates: list[Mapping[str, object] | None] = [None] * len(found)
     with clock.stage("estimate") as account:
         if loaded:
+            under_load = tuple(found[t] for t in loaded)
+            at = deciding_positions(under_load[-1])
+            weights, torques = _weights(pair, at), [part.torque_Nmm for part in under_load]
 
             def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
                 return sweep(
                     replace(states.contact, **other),
-                    states.position_rad,
-                    [part.torque_Nmm for part in under_load],
+                    states.position_rad[at],
+                    torques,
                     keep_pairs=False,
                     account=account,
                     progress=clock.sweep_progress("estimate", sweep=part),
                 )
 
-            under_load, weights = tuple(found[t] for t in loaded), _weights(pair)
             estimated = estimate_errors(
                 under_load,
                 run_again,
@@ -245,8 +244,9 @@ def error_estimates(
                     pair.slices,
                     lambda: {"mesh": replace(pair, slices=pair.slices.coarser())},
                 ),
-                lumped=_lumped_errors(under_load, states, compliances, weights) if lumped else None,
-                sources=_sources(pair, compliances),
+                at=at,
+                lumped=_lumped_errors(under_load, states, at, weights) if lumped else None,
+                sources=_sources(pair, states.contact, at),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
@@ -257,29 +257,28 @@ def error_estimates(
 def _lumped_errors(
     found: tuple[Sweep, ...],
     states: FlankStates,
-    compliances: Compliances,
+    at: NDArray[np.int64],
     weights: NDArray[np.float64],
 ) -> Callable[[int], dict[str, RemainingError]]:
     """Errors of lumped contacts of a torque by its index: beside cells where slices have them."""
-    slices = found[-1].slices
+    slices, contact = found[-1].slices, states.contact
     if not (slices.plane or slices.conforming):
-        at = positions_for_cells(found[-1])
         with suppress(ContactError):  # then from measurements
             # an account of its own: how many cells these are, no plan knows
             cells = sweep(
-                replace(states.contact, level="pairs", grid=FEW_CELLS),
+                replace(contact, level="pairs", grid=FEW_CELLS),
                 states.position_rad[at],
                 [part.torque_Nmm for part in found],
                 keep_pairs=False,
             )
-            return lambda t: error_beside_cells(found[t], cells[t], at, weights)
-    return lambda t: measured_error(found[t], compliances)
+            return lambda t: error_beside_cells(join_sweeps([found[t]], at), cells[t], weights)
+    return lambda t: measured_error(found[t], contact.compliances)
 
 
-def _weights(pair: BodyPair) -> NDArray[np.float64]:
-    """(P,) Parts of the positions in means over the period."""
+def _weights(pair: BodyPair, at: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(n,) Parts of positions in means over the period."""
     return order_of(
-        pair.position_rad,
+        pair.position_rad[at],
         pitch_rad=pair.pairing.pitch_rad,
         period_rad=pair.period_rad,
         closed=pair.closed,
@@ -287,12 +286,16 @@ def _weights(pair: BodyPair) -> NDArray[np.float64]:
 
 
 def _sources(
-    pair: BodyPair, compliances: Compliances
+    pair: BodyPair, contact: FlankContact, at: NDArray[np.int64]
 ) -> dict[str, Callable[[Sweep], dict[str, RemainingError]]]:
-    """Sources of errors that follow from a sweep itself: tips, positions, other teeth."""
+    """Sources of errors that follow from a sweep itself: tips, touch, positions, other teeth."""
     sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {}
+    compliances = contact.compliances
     if pair.slices.plane:
-        sources["tip"] = partial(tip_error, pair=pair, compliances=compliances)
+        sources["tip"] = lambda found: tip_error(join_sweeps([found], at), pair, compliances)
+    else:
+        coarser = replace(contact, mesh=replace(pair, slices=pair.slices.coarser()))
+        sources["touch"] = lambda found: _touch_error(join_sweeps([found], at), coarser, pair, at)
     if pair.pitches is None:
         return sources
     window = window_of(pair)
@@ -303,6 +306,16 @@ def _sources(
     if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)
     return sources
+
+
+def _touch_error(
+    part: Sweep, coarser: FlankContact, pair: BodyPair, at: NDArray[np.int64]
+) -> dict[str, RemainingError]:
+    """Error of the state without torque, which half as many slices show."""
+    with suppress(ContactError):
+        (touch,) = sweep(coarser, pair.position_rad[at], [0.0], keep_pairs=False)
+        return of_touch(part, touch)
+    return {}
 
 
 def incomplete_estimate_notes(

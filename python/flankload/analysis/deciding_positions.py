@@ -1,0 +1,42 @@
+"""Positions that decide the errors of a sweep, at which reduced sweeps are compared with it.
+
+Changes by another compliance, by other cells or slices vary slowly from one position to the next,
+except where a pair enters contact or lies on a corner. A few positions therefore show the largest
+changes and their mean: those with the most load on corners or beside corners, kinks and ends, with
+the largest pressure off corners, the largest line load, the largest and the smallest rotation and
+the least load of a pair, and some between.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from flankload.analysis.load_factors import largest_line_loads
+from flankload.contact.status import is_marked, on_corner
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from flankload.contact.sweep import Sweep
+
+#: Number of positions.
+DECIDING = 12
+
+
+def deciding_positions(found: Sweep) -> NDArray[np.int64]:
+    """Indices of the deciding positions of a sweep, ascending; all of them if there are few."""
+    corner, force = found.slices.corner_off_ends, found.slices.force_N
+    which = on_corner(corner), is_marked(corner)
+    on_corners, marked = (np.where(loads, force, 0.0).sum(axis=(1, 2)) for loads in which)
+    count, forces, rotation = found.status.size, found.site_force_N, found.rotation_rad
+    # those on corners first; the sums are sorted with equal ones in their order
+    worst = np.lexsort((-marked, -on_corners))[:2]
+    least = -np.where(forces > 0, forces, np.inf).min(axis=1)
+    peaks = np.where(on_corner(found.site_corner), 0.0, found.site_peak_N_per_mm).max(axis=1)
+    largest = (peaks, largest_line_loads(found), rotation, -rotation, least)
+    most = (values.argmax() for values in largest)
+    between = np.linspace(0, count, DECIDING, endpoint=False).astype(int)
+    wanted = dict.fromkeys(map(int, [*worst, *most, *between]))
+    return np.array(sorted(list(wanted)[:DECIDING]))
