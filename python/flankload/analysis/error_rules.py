@@ -81,8 +81,8 @@ NODES = Rule(0.5, 0.5, 0.5, 0.5)
 #: pressures err by up to twice the change.
 SLICES = Rule(0.5, 0.5, 1.5, 0.5)
 #: Without the two highest modes along the profile or degrees along the axis. Line loads and
-#: pressures at an end converge with the second power of these numbers, so that from 3 to 5 degrees a
-#: half of the change remains; signs vary, and changes of two sources at one place may cancel.
+#: pressures at an end converge with the second power of these numbers, so that from 3 to 5 degrees
+#: a half of the change remains; signs vary, and changes of two sources at one place may cancel.
 SERIES = Rule(0.0, 0.75, 0.75, 0.75)
 #: Rotations and load shares converge like a geometric series, with the ratio of the last two steps;
 #: terms alternate in size, so that the next ratio may be four times as large. Shares are ratios of
@@ -90,6 +90,9 @@ SERIES = Rule(0.0, 0.75, 0.75, 0.75)
 NEXT_RATIO = 4.0
 #: Ending of the names of sweeps with two steps of a source.
 BEFORE = " before"
+#: Doubt of single line loads, relative to that of pressures and of the largest line load: where a
+#: contact ends within a slice, they change with the first power of the slices' width.
+LINE_LOADS = 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
@@ -222,7 +225,7 @@ def _of_line_loads(
     width = np.diff(other.slices.edges_mm)
     one, two, three = (part.slices.force_N / width for part in (found, base, other))
     change = np.where(on_corner(found.slices.corner), 0.0, three - two)[..., around]
-    errors = {LINE_LOAD: _at_each(_of_pressures(rule), change, one.max())}
+    errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, one.max())}
     for name, loads_of in (
         (FACE_LOAD, partial(loads_over_period, weights=weights)),
         (LINE_FACTOR, relative_loads),
@@ -252,9 +255,9 @@ def _of_series(rule: Rule, change: Floats, before: Floats) -> Rule:
     return replace(rule, doubt=min(rule.doubt, ratio), doubt_overall=min(rule.doubt_overall, ratio))
 
 
-def _of_pressures(rule: Rule) -> Rule:
-    """The rule with its doubt for pressures."""
-    return replace(rule, doubt=rule.doubt_pressure)
+def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:
+    """The rule with its doubt for pressures, or with a multiple of that."""
+    return replace(rule, doubt=part * rule.doubt_pressure)
 
 
 def _at_each(rule: Rule, change: Floats, whole: float | np.floating) -> RemainingError:
@@ -309,7 +312,7 @@ def _largest_peak(found: Sweep) -> float:
 def at_largest_peak(peaks: RemainingError, found: Sweep) -> RemainingError:
     """Error of the largest pressure off sharp corners, from those of all peaks (P, S)."""
     smooth = np.where(_smooth(found), found.site_peak_N_per_mm, 0.0)
-    return _of_largest(peaks, smooth / smooth.max())
+    return _of_largest(peaks, smooth / max(float(smooth.max()), np.finfo(float).tiny))
 
 
 def _of_largest(each: RemainingError, values: Floats) -> RemainingError:

@@ -147,15 +147,9 @@ def between_positions(
         )
     if adaptive:
         return found
-    curves, bound = [through], 0.0
-    if not (part.slices.plane and changes.any()):  # kinks over the width are soft
-        smooth = window.curve_of(position_rad, rotation, np.zeros_like(changes))
-        curves, bound = [through, smooth], sum(one.max() for one in overshoot(smooth, rotation))
-    fine = np.linspace(*through.ends, BETWEEN * rotation.size)
-    missed = float(np.ptp(rotation) - max(np.ptp(curve.values(fine)) for curve in curves))
-    found["transmission_error_peak_to_peak"] = RemainingError.relative(
-        missed, float(np.hypot(DOUBT_PEAK_TO_PEAK * missed, bound)), np.ptp(rotation)
-    )
+    soft = not part.slices.plane or not changes.any()
+    smooth = window.curve_of(position_rad, rotation, np.zeros_like(changes)) if soft else None
+    found["transmission_error_peak_to_peak"] = _of_peak_to_peak(rotation, through, smooth)
     tangent = mean_stiffness(part.tangent_rad_per_Nmm)
     if tangent is not None:
         missed, doubt = _steps(tangent, position_rad, through, changes)
@@ -163,6 +157,23 @@ def between_positions(
         doubt = float(np.hypot(doubt, HIDDEN * hidden * mean))
         found["stiffness_tangent"] = RemainingError.relative(missed, doubt, mean)
     return found
+
+
+def _of_peak_to_peak(
+    rotation: Floats, through: PositionCurve, smooth: PositionCurve | None
+) -> RemainingError:
+    """Error of the peak to peak of the samples, which the curve through them exceeds.
+
+    Kinks over the width are soft: the curve is between those with kinks and without (`smooth`).
+    """
+    whole, fine = float(np.ptp(rotation)), np.linspace(*through.ends, BETWEEN * rotation.size)
+    sharp = whole - float(np.ptp(through.values(fine)))
+    if smooth is None:
+        return RemainingError.relative(sharp, DOUBT_PEAK_TO_PEAK * abs(sharp), whole)
+    least = whole - float(np.ptp(smooth.values(fine)))
+    bound = sum(float(one.max()) for one in overshoot(smooth, rotation))
+    doubt = float(np.hypot(0.5 * (sharp - least), bound))
+    return RemainingError.relative(0.5 * (sharp + least), doubt, whole)
 
 
 def _open_window(part: Sweep) -> dict[str, RemainingError]:

@@ -145,7 +145,7 @@ def test_step_of_a_stiffness_is_found_at_the_kink_of_the_rotation() -> None:
     before = x < kink
     part = SimpleNamespace(
         site_force_N=np.stack([~before, before], axis=1).astype(float),
-        slices=SimpleNamespace(force_N=np.stack([~before, before], axis=1)[..., None]),
+        slices=SimpleNamespace(plane=True, force_N=np.stack([~before, before], axis=1)[..., None]),
         rotation_rad=3.0 + along * (1.0 - along),
         turned_rad=np.full(n, -1.0),
         tangent_rad_per_Nmm=1.0 / (2.0 + along),
@@ -171,7 +171,7 @@ def test_secant_stiffness_has_a_kink_where_another_pair_touches_without_torque(
     sites = [np.stack([x >= at, x < at], axis=1) for at in (kink, loaded)]
     part = SimpleNamespace(
         site_force_N=sites[1].astype(float),
-        slices=SimpleNamespace(force_N=sites[1][..., None]),
+        slices=SimpleNamespace(plane=True, force_N=sites[1][..., None]),
         unloaded=UnloadedStates(np.zeros(n), sites[0]),
         rotation_rad=3.0 + np.cos(2 * np.pi * x / PERIOD),
         turned_rad=1.0 / secant,
