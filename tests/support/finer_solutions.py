@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 #: their refinement would take too long.
 FINER, FINER_SPLINE = (8, 4, 4), (8, 2, 2)
 #: In three dimensions: relative element lengths and positions, and keys of [accuracy]; with cells.
-FINER_SPATIAL = (0.6, 4)
+FINER_SPATIAL = (0.6, 2)
 SPATIAL = {"modes": 7, "axial_degree": 10, "load_degree_z": 6, "slices": 28, "estimate": False}
 #: Modes for elements eight times as fine (70 and more along a flank). On elements four times as
 #: fine, pressures at the ends of a flank are up to 9 % too high with 12 modes; with 8 modes, the
