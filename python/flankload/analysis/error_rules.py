@@ -321,7 +321,7 @@ def _of_largest(each: RemainingError, values: Floats) -> RemainingError:
     Another value is the largest if its error exceeds its distance to the largest one.
     """
     error, doubt = (np.broadcast_to(part, values.shape) for part in each)
-    most = float((values + np.abs(error) + doubt).max()) - 1.0
+    most = float((values - 1.0 + np.abs(error) + doubt).max())
     of_largest = float(error.flat[values.argmax()])
     return RemainingError(of_largest, most - abs(of_largest))
 
