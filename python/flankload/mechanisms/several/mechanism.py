@@ -9,7 +9,8 @@ import numpy as np
 from flankload.contact.record_files import meshes_records
 from flankload.mechanisms.flank_pair.body_files import files_of_compliances, files_of_meshes
 from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
-from flankload.mechanisms.several.estimates import error_estimates
+from flankload.mechanisms.several.estimates import OF_MESHES, error_estimates
+from flankload.mechanisms.several.from_states import MeshResults, result_of_meshes
 from flankload.mechanisms.several.premises import broken_by_load
 from flankload.mechanisms.several.states import (
     AssemblyT,
@@ -21,23 +22,27 @@ from flankload.mechanisms.several.states import (
 from flankload.mechanisms.stage_clock import StageClock
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from flankload.base.arrays import Floats
+    from flankload.contact.meshes_contact import AnyContact, MeshesSweep
     from flankload.mechanisms.protocol import ComplianceFile, Displaced, MeshFile
     from flankload.mechanisms.several.assembly import Compliances
+    from flankload.mechanisms.several.states import MeshesStates
+    from flankload.result.result import Result
     from flankload.scene import Scene
 
 
 class SeveralMeshes(Generic[AssemblyT]):
     """Bodies in several gear meshes.
 
-    Subclasses have `body_names`, `build`, `broken_by_geometry`, `results`, `describe`,
-    `data_sheet` and `fields_of_bodies`.
+    Subclasses have `body_names`, `build`, `broken_by_geometry`, `loads` (what only this kind of
+    drive has in its result), `describe`, `data_sheet` and `fields_of_bodies`.
     """
 
     body_names: tuple[str, ...]
     build: Callable[..., AssemblyT]
+    loads: Callable[[Scene, AssemblyT, AnyContact, MeshesSweep, MeshResults], Any]
     compliances: Callable[..., tuple[AssemblyT, Compliances]] = staticmethod(compliances_of)
     no_flanks_reason: str | None = None
     displaced: Displaced | None = None
@@ -49,6 +54,23 @@ class SeveralMeshes(Generic[AssemblyT]):
     broken_by_load = staticmethod(broken_by_load)
     estimates = staticmethod(error_estimates)
     parameters = staticmethod(parameters_of_flanks)
+
+    def results(
+        self,
+        scene: Scene,
+        assembly: AssemblyT,
+        compliances: Compliances,
+        states: MeshesStates,
+        estimates: Sequence[Mapping[str, object] | None],
+    ) -> tuple[Result, ...]:
+        """Results, one per torque."""
+        results = []
+        for found, estimate in zip(states.found, estimates, strict=True):
+            of_meshes: Any = (estimate or {}).get(OF_MESHES, ())
+            meshes = MeshResults(scene, assembly, compliances, found, of_meshes)
+            loads = self.loads(scene, assembly, states.contact, found, meshes)
+            results.append(result_of_meshes(scene, assembly, compliances, found, estimate, loads))
+        return tuple(results)
 
     def mesh_files(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the tables at position zero, each at the angle of its first body."""

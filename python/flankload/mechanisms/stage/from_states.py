@@ -1,61 +1,38 @@
-"""Conversion of the states of a stage to its result, and of each mesh to one of its own."""
+"""Loads of the members of a stage from its states."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flankload.base.torque import in_newton_metres
-from flankload.mechanisms.several.estimates import OF_MESHES
-from flankload.mechanisms.several.from_states import MeshResults, result_of_meshes
+from flankload.mechanisms.several.from_states import MeshResults
 from flankload.mechanisms.stage.over_width import loads_over_width
 from flankload.mechanisms.stage.planet_bending import bending_of_planets
 from flankload.mechanisms.stage.rim import motion_of_rim
 from flankload.mechanisms.stage.sliding import sliding_losses
 from flankload.pairing.gear_pair import cosine_base_helix
 from flankload.pairing.stage import orbit_orders, surviving_order
-from flankload.result.result import Result
 from flankload.result.stage import HIGHEST_ORDER, StageLoads
 from flankload.result.stage_over_width import StageLoadsOverWidth
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from flankload.base.arrays import Floats
     from flankload.contact.meshes_contact import MeshesSweep
     from flankload.contact.stage_supports import StageContact
-    from flankload.mechanisms.several.assembly import Compliances
-    from flankload.mechanisms.several.states import MeshesStates
     from flankload.mechanisms.stage.assembly import StageAssembly
-    from flankload.result.result import Result
     from flankload.scene import Scene
 
 
-def stage_results(
-    scene: Scene,
-    assembly: StageAssembly,
-    compliances: Compliances,
-    states: MeshesStates,
-    estimates: Sequence[Mapping[str, object] | None],
-) -> tuple[Result, ...]:
-    """Results, one per torque."""
-    results = []
-    for found, estimate in zip(states.found, estimates, strict=True):
-        loads = _loads(scene, assembly, states.contact, found, (estimate or {}).get(OF_MESHES, ()))
-        results.append(result_of_meshes(scene, assembly, compliances, found, estimate, loads))
-    return tuple(results)
-
-
-def _loads(
+def loads_of_members(
     scene: Scene,
     assembly: StageAssembly,
     contact: StageContact,
     found: MeshesSweep,
-    of_meshes: Any,
+    meshes: MeshResults,
 ) -> StageLoads:
-    """Loads of the members; `of_meshes`: error estimates of the meshes, or empty."""
+    """Loads of the members."""
     compliances = contact.compliances
     pairing, n = assembly.pairing, assembly.pairing.count
     sun_force, force = found.whole.site_force_N, found.resultants
@@ -97,7 +74,7 @@ def _loads(
         sun_mesh_sliding_loss_Nm=with_sun,
         ring_mesh_sliding_loss_Nm=with_ring,
         planet_bending=bending_of_planets(assembly, compliances[1], found),
-        meshes=MeshResults(scene, assembly, compliances, found, of_meshes),
+        meshes=meshes,
     )
 
 

@@ -8,7 +8,7 @@ from flankload.mechanisms.protocol import Displaced
 from flankload.mechanisms.several.mechanism import SeveralMeshes
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.description import data_sheet, describe
-from flankload.mechanisms.stage.from_states import stage_results
+from flankload.mechanisms.stage.from_states import loads_of_members
 from flankload.mechanisms.stage.loaded_bodies import fields_of_members
 from flankload.mechanisms.stage.modes import stage_modes
 from flankload.mechanisms.stage.premises import broken_by_geometry
@@ -32,7 +32,7 @@ class PlanetaryStage(SeveralMeshes[StageAssembly]):
     build = staticmethod(assemble)
     broken_by_geometry = staticmethod(broken_by_geometry)
     compliances = staticmethod(compliances_of)
-    results = staticmethod(stage_results)
+    loads = staticmethod(loads_of_members)
     describe = staticmethod(describe)
     data_sheet = staticmethod(data_sheet)
     modes = staticmethod(stage_modes)

@@ -1,4 +1,4 @@
-"""Conversion of the states of a gear train to its result."""
+"""Loads of the bodies of a gear train from its states."""
 
 from __future__ import annotations
 
@@ -10,41 +10,19 @@ from flankload.analysis.load_factors import face_load_factor
 from flankload.base.torque import in_newton_metres
 from flankload.contact.train_supports import MIRRORED
 from flankload.contact.wrenches import tilts_of, wrenches_of
-from flankload.mechanisms.several.estimates import OF_MESHES, weights_of
-from flankload.mechanisms.several.from_states import MeshResults, result_of_meshes
+from flankload.mechanisms.several.estimates import weights_of
+from flankload.mechanisms.several.from_states import MeshResults
 from flankload.result.train import DoubleHelicalLoads, TrainLoads, TrainLoadsOverWidth
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
     from flankload.base.arrays import Floats
     from flankload.contact.meshes_contact import AnyContact, MeshesSweep
-    from flankload.mechanisms.several.assembly import Compliances
-    from flankload.mechanisms.several.states import MeshesStates
     from flankload.mechanisms.train.assembly import TrainAssembly
-    from flankload.result.result import Result
     from flankload.result.train import TwoMeshes
     from flankload.scene import Scene
 
 
-def train_results(
-    scene: Scene,
-    assembly: TrainAssembly,
-    compliances: Compliances,
-    states: MeshesStates,
-    estimates: Sequence[Mapping[str, object] | None],
-) -> tuple[Result, ...]:
-    """Results, one per torque."""
-    results = []
-    for found, estimate in zip(states.found, estimates, strict=True):
-        of_meshes: Any = (estimate or {}).get(OF_MESHES, ())
-        meshes = MeshResults(scene, assembly, compliances, found, of_meshes)
-        loads = _loads(scene, assembly, states.contact, found, meshes)
-        results.append(result_of_meshes(scene, assembly, compliances, found, estimate, loads))
-    return tuple(results)
-
-
-def _loads(
+def loads_of_bodies(
     scene: Scene,
     assembly: TrainAssembly,
     contact: AnyContact,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from flankload.mechanisms.several.mechanism import SeveralMeshes
 from flankload.mechanisms.train.assembly import NAMES, TrainAssembly, assemble
 from flankload.mechanisms.train.description import data_sheet, describe
-from flankload.mechanisms.train.from_states import train_results
+from flankload.mechanisms.train.from_states import loads_of_bodies
 from flankload.mechanisms.train.premises import broken_by_geometry
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class GearTrain(SeveralMeshes[TrainAssembly]):
 
     build = staticmethod(assemble)
     broken_by_geometry = staticmethod(broken_by_geometry)
-    results = staticmethod(train_results)
+    loads = staticmethod(loads_of_bodies)
     describe = staticmethod(describe)
     data_sheet = staticmethod(data_sheet)
 
