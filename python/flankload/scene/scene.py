@@ -45,7 +45,7 @@ from flankload.scene.pair import Load, Pair, Positions, check_partners
 from flankload.scene.refusal import refuse, shown
 from flankload.scene.spline import SplineHub, SplineShaft
 from flankload.scene.stage import Stage, check_stage
-from flankload.scene.table import BODIES, Table, Text, about
+from flankload.scene.table import BODIES, Table, Text, about, has_several_meshes
 from flankload.scene.train import Train, check_train
 from flankload.scene.tree import scene_tree, toml_of, with_changes
 from flankload.scene.usual import with_questions
@@ -135,8 +135,7 @@ class SceneFile(Table, frozen=True, kw_only=True):
             any(self.load.torques_Nm)
             and self.body_1.rigid
             and self.body_2.rigid
-            and self.stage is None
-            and self.train is None
+            and not has_several_meshes(self)
         ):
             expected = "false, since body_1.rigid is true: the load sharing of two rigid bodies "
             expected += "is undetermined"

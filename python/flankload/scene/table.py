@@ -8,6 +8,8 @@ from msgspec import UNSET, Meta, Struct, StructMeta, structs
 
 #: Tables of bodies, in the order of a file; a scene has some of them.
 BODIES = ("body_1", "planet", "body_3", "body_2")
+#: Tables of drives with several gear meshes.
+SEVERAL_MESHES = ("stage", "train")
 #: Range of lengths, mm; far wider than that of real pairs. Beyond it, numbers overflow.
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-3, 1e5
 Length = Annotated[float, Meta(ge=SMALLEST_LENGTH, le=LARGEST_LENGTH)]
@@ -228,3 +230,8 @@ class EvenBody(BodyTable, frozen=True, kw_only=True):
     def pitch_errors_um(self) -> tuple[float, ...]:
         """Empty: the body has no pitch errors."""
         return ()
+
+
+def has_several_meshes(scene: Any) -> bool:
+    """Whether a scene, or its file, has a table of a drive with several gear meshes."""
+    return any(getattr(scene, name) is not None for name in SEVERAL_MESHES)

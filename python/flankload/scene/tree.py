@@ -13,7 +13,7 @@ from msgspec import NODEFAULT
 from flankload.scene.catalogue import keys_of_names
 from flankload.scene.form import fields_of
 from flankload.scene.refusal import refuse, shown
-from flankload.scene.table import BODIES, Table
+from flankload.scene.table import BODIES, SEVERAL_MESHES, Table
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
@@ -49,7 +49,7 @@ def scene_tree(scene: Scene, *, implied: bool) -> Tree:
     from flankload.scene.scene import NO_PAIR
 
     tree: Tree = {"name": scene.name}
-    for name in (*BODIES, "stage", "train"):
+    for name in (*BODIES, *SEVERAL_MESHES):
         if (table := getattr(scene, name)) is not None:
             tree[name] = tree_of(table)
     for name, keys in keys_of_names(tree).items():

@@ -12,7 +12,7 @@ from flankload.errors import SceneError
 from flankload.scene.catalogue import estimate_notes
 from flankload.scene.form import fields_of
 from flankload.scene.refusal import shown
-from flankload.scene.table import BODIES
+from flankload.scene.table import BODIES, SEVERAL_MESHES
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene, SceneFile
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Factor between units of one quantity (um and mm, GPa and MPa), also squared (um and m).
 THOUSAND = 1000.0
 TABLES = (
-    *(*BODIES, "stage", "train", "pair"),
+    *(*BODIES, *SEVERAL_MESHES, "pair"),
     *("load", "positions", "effects", "accuracy"),
 )
 #: Units in which values are given by mistake, by the unit of the key and the factor between them.

@@ -12,6 +12,7 @@ from flankload.scene.effects.keys import LARGEST_COEFFICIENT
 from flankload.scene.effects.records import EFFECTS, STAGE
 from flankload.scene.mesh import ComplianceBody, MeshBody
 from flankload.scene.refusal import refuse, shown
+from flankload.scene.table import has_several_meshes
 
 if TYPE_CHECKING:
     from flankload.scene.effects.record import Effect
@@ -61,7 +62,7 @@ def _check_known(asked: SceneFile, given: Mapping[str, Any]) -> None:
     kind_1, kind_2 = asked.body_1.kind, asked.body_2.kind
     of_stage = [effect.key for effect in EFFECTS if effect.only_for == STAGE]
     for key, value in given.items():
-        if key in of_stage and asked.stage is None and asked.train is None:
+        if key in of_stage and not has_several_meshes(asked):
             refuse(f"effects.{key}", "nothing, unless there is a table [stage]", shown(value))
     drives = {effect.only_for for effect in EFFECTS} - {None, STAGE}
     for drive in sorted(drive for drive in drives if drive):

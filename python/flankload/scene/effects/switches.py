@@ -11,6 +11,7 @@ from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, three_dim
 from flankload.scene.belt import Pulley
 from flankload.scene.effects.record import Switch, as_key
 from flankload.scene.reliefs import ReliefKeys
+from flankload.scene.table import has_several_meshes
 
 if TYPE_CHECKING:
     from flankload.scene.scene import Scene
@@ -132,7 +133,7 @@ def has_elastic_planets(scene: Scene) -> Switch:
 
 def has_coupled_meshes(scene: Scene) -> Switch:
     """Whether forces in a mesh of a stage or a train deform the bodies in the others."""
-    if scene.stage is None and scene.train is None:
+    if not has_several_meshes(scene):
         return Switch(False, NO_STAGE, False)
     coupled, named = scene.effects.mesh_coupling, "mesh_coupling" in scene.named_effects
     found = f"= {as_key(coupled)}" if named else "absent"
