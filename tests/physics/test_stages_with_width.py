@@ -239,9 +239,61 @@ def test_a_sun_that_tilts():
     assert soft.transmission_error_um[0] > rigid.transmission_error_um[0]
 
 
+ROOTS = {"effects": {"root_stress": True}}
+#: Most of the difference of root stress in the plane and in the middle of 20 mm, with few modes.
+PLANE_ROOTS = 0.07
+
+
+@pytest.mark.parametrize("helix_deg", [0.0, 15.0])
+def test_loads_on_coast_flanks_bend_roots_in_the_mirror_image(helix_deg):
+    """A straight body is its mirror image; half a turn about a tooth reverses a helix along z."""
+    scene = fl.Scene.from_dict(wide(helix_deg, **ROOTS))
+    _, compliances = compliances_of(scene, assemble(scene), StageClock(None, NAMES, 1, {}), {})
+    for own in compliances[1:]:
+        found, image = own.root.response, own.root.in_mirror_image().response
+        functions, modes = np.ogrid[: found.shape[2], : found.shape[3]]
+        sign = (-1.0) ** (functions + modes % own.modes_per_place) if helix_deg else 1.0
+        size = np.abs(found).max()
+        np.testing.assert_allclose(image, sign * found, rtol=0, atol=1e-11 * size)
+
+
+def test_root_stress_of_planets_over_their_width():
+    """As in the plane without a helix; extremes are those of both meshes of a tooth."""
+    spur, helical = stage(0.0, **ROOTS), stage(stage=TILTING, **ROOTS)
+    keys = wide(0.0, **ROOTS)
+    plane = solve(
+        fl.Scene.from_dict(
+            {
+                name: {key: value for key, value in table.items() if key not in SOLID}
+                if isinstance(table, dict)
+                else table
+                for name, table in keys.items()
+            }
+        )
+    )
+    np.testing.assert_allclose(
+        spur.stage.planet_bending.range_MPa, plane.stage.planet_bending.range_MPa, rtol=PLANE_ROOTS
+    )
+    for kind, z in ((kind, z) for kind in KINDS for z in (0, 1)):
+        one, two = (each.mesh(1, kind).root_stress[z].tension for each in (spur, plane))
+        np.testing.assert_allclose(one.stress_MPa, two.stress_MPa, rtol=1.5 * PLANE_ROOTS)
+        np.testing.assert_array_equal(one.working, two.working)
+    bending = helical.stage.planet_bending
+    # a tooth of 17 has load on one flank only: forces of the other mesh are far away
+    for kind, z in (("sun", 1), ("ring", 0)):
+        for extreme, sign in (("tension", 1.0), ("compression", -1.0)):
+            alone = [
+                (sign * getattr(helical.mesh(j, kind).root_stress[z], extreme).stress_MPa).max()
+                for j in (1, 2, 3)
+            ]
+            found = bending.largest_MPa if sign > 0 else -bending.least_MPa
+            assert (found.max(axis=1) > 0.95 * np.array(alone)).all()
+    assert helical.summary["planet_root_stress"]["z_mm"] in bending.z_mm
+
+
 def test_the_work_of_the_elements_is_predicted():
     """Also that of the coast flanks of planets and ring."""
-    scene = fl.Scene.from_dict(wide(body_1={"rigid": True}))
+    scene = fl.Scene.from_dict(wide(body_1={"rigid": True}, **ROOTS))
     stages = fl.solve(scene).cost["stages"]
     for name, predicted in counted_work(scene, assemble(scene)).items():
         found = stages[name]["counters"] | {"bytes": stages[name]["bytes"]}

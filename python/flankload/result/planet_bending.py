@@ -30,12 +30,15 @@ class PlanetBending(KeepsReadOnly, Card):
     points : RootPoints
         The q points of both fillets, those on the side of the sun's flank (working) first.
     largest_MPa, least_MPa : (n, q) arrays
-        Positive in tension.
+        Positive in tension; in three dimensions across the root line.
+    z_mm : (n, q) array or None
+        Place along the axis, in the middle of the slice with the largest range; None in the plane.
     """
 
     points: RootPoints
     largest_MPa: Floats
     least_MPa: Floats
+    z_mm: Floats | None = None
 
     @property
     def range_MPa(self) -> Floats:
@@ -54,6 +57,7 @@ class PlanetBending(KeepsReadOnly, Card):
             "side": [SIDES[int(working)] for working in self.points.working],
             "largest_MPa": self.largest_MPa,
             "least_MPa": self.least_MPa,
+            **({} if self.z_mm is None else {"z_mm": self.z_mm}),
         }
 
     def words(self) -> str:
@@ -73,4 +77,5 @@ class PlanetBending(KeepsReadOnly, Card):
             "planet": int(planet) + 1,
             "side": SIDES[int(self.points.working[q])],
             "arc_length_mm": float(self.points.arc_length_mm[q]),
+            **({} if self.z_mm is None else {"z_mm": float(self.z_mm[planet, q])}),
         }

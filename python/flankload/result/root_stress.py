@@ -229,7 +229,8 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
     span, tip = reading.mode_range_mm, reading.tip
     places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
     if reading.over_width is not None:
-        values = _on_slices(reading, reading.over_width, table, places)
+        assert table.z_mm is not None
+        values = modes_on_slices(reading, places, table.cell_mm, table.z_mm)
     elif reading.nodes is not None:
         values = linear_shapes(places, reading.nodes) / reading.face_width_mm
     else:
@@ -252,19 +253,20 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
     return loads
 
 
-def _on_slices(
-    reading: RootReading, over_width: OverWidth, table: PairTable, places: Floats
-) -> Floats:
-    """Means (n, p) of the modes over the cells of slices, along the profile and the axis."""
-    assert table.z_mm is not None
+def modes_on_slices(reading: RootReading, places: Floats, cells_mm: Floats, z_mm: Floats) -> Floats:
+    """Means (n, p) of the modes over cells of slices, along the profile and the axis.
+
+    The cells are at the places (n,) along the profile and in the slices with the middles z_mm (n,).
+    """
+    assert reading.over_width is not None
     points, weights = leggauss(CELL_POINTS)
     low, high = reading.mode_range_mm
     tip = reading.tip
-    s = places[:, None] + 0.5 * table.cell_mm[:, None] * points
+    s = places[:, None] + 0.5 * cells_mm[:, None] * points
     within = np.clip(s, low, high if tip is None else tip.end_mm)
     values = mode_values(within.ravel(), (low, high), reading.n_modes, tip=tip)
     values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, reading.n_modes))
-    along = over_width.modes_at(table.z_mm)
+    along = reading.over_width.modes_at(z_mm)
     count = values.shape[1] * along.shape[1]
     return np.asarray(np.einsum("na,nb->nab", values, along).reshape(len(values), count))
 

@@ -423,9 +423,6 @@ def _check_width(asked: SceneFile, why: str) -> None:
         if asked.pair is not None and getattr(asked.pair, name):
             expected = "nothing with [stage], which has several axes"
             refuse(f"pair.{name}", expected, getattr(asked.pair, name))
-    if asked.effects.root_stress:
-        expected = f"false, since {why} requires three dimensions: this version has the root stress"
-        refuse("effects.root_stress", f"{expected} of plane stages", shown(value=True))
     flank, pair = asked.stage.planet_ring_flank, asked.pair
     if flank is not None and asked.planet is not None and pair is not None:
         width = asked.planet.face_width_mm or pair.face_width_mm

@@ -310,7 +310,7 @@ class BodyCompliance:
             tangential=None,
             along=None,
             coast=None if coast is None else CoastCompliance(coast.normal.copy()),
-            root=None if root is None else replace(root, response=root.response[..., :p].copy()),
+            root=None if root is None else root.with_each(lambda part: part[..., :p].copy()),
             fe_error=None if error is None else error[..., :p].copy(),
         )
 
@@ -356,7 +356,7 @@ class BodyCompliance:
         root = self.root
         return replace(
             self.with_blocks(alone, alone_across),
-            root=None if root is None else replace(root, response=alone(root.response)),
+            root=None if root is None else root.with_each(alone),
         )
 
 

@@ -224,8 +224,29 @@ class RootResponse:
         values of the modes there.
     range_mm : (float, float) or None
         Axial range of the teeth; None in a plane scene.
+    coast : array or None
+        As `response`, under loads on the coast flank in the sector of tooth 0, which is not that of
+        an internal tooth.
     """
 
     points: RootPoints
     response: Floats
     range_mm: tuple[float, float] | None = None
+    coast: Floats | None = None
+
+    def with_each(self, change: Callable[[Floats], Floats]) -> RootResponse:
+        """The responses of both flanks after the same change."""
+        coast = None if self.coast is None else change(self.coast)
+        return replace(self, response=change(self.response), coast=coast)
+
+    def in_mirror_image(self) -> RootResponse:
+        """The response in a frame in which coast flanks are working flanks and teeth run clockwise.
+
+        Without loads on coast flanks, the body is its own mirror image.
+        """
+        if self.coast is None:
+            return self
+        working = self.points.working
+        mirrored = np.concatenate([np.flatnonzero(~working), np.flatnonzero(working)])
+        image = self.coast[opposite(len(self.coast))][:, mirrored]
+        return replace(self, response=image, coast=None)

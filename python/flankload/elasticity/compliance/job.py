@@ -230,6 +230,9 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
     if options.fillets is not None:
         places = options.fillets.points.arc_length_mm.size * loads.functions_of_roots
         root = loads.roots(options.fillets, below[:, :places].copy())
+        if found.by_coast is not None:
+            by_coast = loads.roots(options.fillets, found.by_coast[:, :places].copy())
+            root = replace(root, coast=by_coast.response)
     if _turns(body, options):
         turned = turned_coefficients(body, below[:, places, :p], found.own, options.plane)
     loads.subtract_near_field(response, found.own, job.log.account)

@@ -75,12 +75,14 @@ def _turned(found: BodyCompliance, products: Floats) -> BodyCompliance:
 
 def _root(root: RootResponse, products: Floats) -> RootResponse:
     """Root stress under loads in turned directions."""
-    p = len(products)
-    normal, along = root.response[..., :p], root.response[..., p:]
     # in the plane for mode coefficients of pressures, in three dimensions for moments of forces
-    products = products if root.range_mm is None else products.T
-    response = np.concatenate([normal + along @ products, along], axis=-1)
-    return replace(root, response=response)
+    p, products = len(products), products if root.range_mm is None else products.T
+
+    def turned(response: Floats) -> Floats:
+        normal, along = response[..., :p], response[..., p:]
+        return np.concatenate([normal + along @ products, along], axis=-1)
+
+    return root.with_each(turned)
 
 
 def _products(found: BodyCompliance, body: Body) -> Floats:

@@ -75,6 +75,8 @@ class Response:
     by_force : (f, k, q) array
         Readings by the unit loads of each flank under each body load, then by other loads.
     coast : CoastCompliance or None
+    by_coast : (k, r, q) array or None
+        Further readings under loads on the coast flank in the sector of the working one.
     rim : RimResponse or None
     """
 
@@ -85,6 +87,7 @@ class Response:
     degrees_of_freedom: int
     flanks: tuple[int, ...] = ()
     coast: CoastCompliance | None = None
+    by_coast: Floats | None = None
     rim: RimResponse | None = None
 
 
@@ -185,6 +188,7 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None) -> Response:
         by_force=by_force,
         degrees_of_freedom=unknowns_of(mesh, held=held, per_node=section.unknowns),
         coast=_coast(job, response, q, tooth) if job.coast_flanks else None,
+        by_coast=response[:, count:, q : 2 * q] if job.coast_flanks else None,
         rim=_rim(job, mesh, response, loads) if job.rim else None,
     )
 

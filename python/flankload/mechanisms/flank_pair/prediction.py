@@ -111,7 +111,7 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         return found
     along = pair.effects.friction and pair.effects.finite_influence
     held = columns.bytes(body.mesh, counted, along=along)
-    points = 0 if spatial or fillets is None else held_bytes(fillets.points)
+    points = 0 if fillets is None else held_bytes(fillets.points)
     return found | {"bytes": held + points}
 
 
@@ -198,7 +198,7 @@ class _Columns:
         )
         both = normal + tangential
         own = normal * both + along * tangential**2
-        own += self.places * (self.degrees[0] + 1) * both + self.corners * normal
+        own += self.places * (self.degrees[0] + 1) * both * (1 + self.coast) + self.corners * normal
         return WORD * blocks * (own + 3 * self.coast * normal * both)
 
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.contact.meshes_contact import MeshesSweep
+    from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.several.assembly import Compliances
     from flankload.mechanisms.several.states import AnyAssembly
     from flankload.result.stage import StageLoads
@@ -79,6 +80,8 @@ class MeshResults(Sequence[Result]):
             notes=(),
         )
         own = self.compliances[one], self.compliances[two]
+        if pairing.is_image(m):
+            own = _with_image_of_roots(own[0]), _with_image_of_roots(own[1])
         result = result_of(
             self.scene,
             pair,
@@ -93,6 +96,12 @@ class MeshResults(Sequence[Result]):
             stiffness_tangent_Nm_per_rad=np.full(assembly.position_rad.size, np.nan),
             warnings=(),
         )
+
+
+def _with_image_of_roots(compliance: BodyCompliance) -> BodyCompliance:
+    """A compliance whose root stress is that by loads on coast flanks."""
+    root = compliance.root
+    return compliance if root is None else replace(compliance, root=root.in_mirror_image())
 
 
 def result_of_meshes(
