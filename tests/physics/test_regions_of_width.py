@@ -12,7 +12,7 @@ import flankload as fl
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.axial_basis import mode_norms_z
-from flankload.elasticity.compliance import JobOptions, flank_compliance
+from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_norms
 from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.flank_potential import projected_potential
@@ -20,7 +20,7 @@ from tests.support.gear_scenes import example
 from tests.support.ring_bodies import gear
 from tests.support.solving import solve
 
-WIDTH, WEB = 14.0, (-2.1, 2.1)
+WIDTH, WEB, N_S = 14.0, (-2.1, 2.1), 5
 #: Twist of a base helix of 13.8 degrees, rad/mm.
 TWIST = 0.0097
 #: Extents of web and hub off the middle.
@@ -34,21 +34,10 @@ REFERENCE = {
     "helix": {"mean": 6.66381, "z1": 4.53856, "neighbour mean": 3.68493, "neighbour z1": 1.11014},
     "hub": {"mean": 4.59328, "z1": 3.60683, "neighbour mean": 2.08571, "mean by z1": 0.41701},
 }
-#: By degree of displacements and of cuts; those beside a hub converge slowest.
-LIMITS = {(8, 4): 0.004, (12, 9): 0.0006}
-SLOW = {
-    ("spur", "neighbour z1"): {(8, 4): 0.008},
-    ("helix", "neighbour z1"): {(8, 4): 0.008, (12, 9): 0.0006},
-    ("hub", "mean"): {(8, 4): 0.012, (14, 14): 0.004},
-    ("hub", "z1"): {(8, 4): 0.012, (14, 14): 0.004},
-    ("hub", "neighbour mean"): {(8, 4): 0.021, (14, 14): 0.006},
-    ("hub", "mean by z1"): {(8, 4): 0.06, (14, 14): 0.015},
-}
-#: Without twist high degrees are those of the helix.
-CASES = [
-    *(("spur", (8, 4)), ("helix", (8, 4)), ("hub", (8, 4))),
-    *(("helix", (12, 9)), ("hub", (14, 14))),
-]
+#: By degree of displacements, the default and a high one (measured 0.12 %, beside a hub 0.1 %);
+#: the default beside a hub, where convergence is slowest (measured 0.28, 0.28, 0.51, 1.35 %).
+LIMITS = {8: 0.0015, 14: 0.0015}
+SLOW = {"mean": 0.004, "z1": 0.004, "neighbour mean": 0.006, "mean by z1": 0.016}
 
 
 @cache
@@ -61,32 +50,48 @@ def _webbed(hub: bool) -> Body:
     return build_involute_body(spec, "body_1", flank_element_mm=2.25, regions=regions)
 
 
-@pytest.mark.parametrize(("case", "degrees"), CASES)
-def test_a_thin_web_is_as_compliant_as_in_another_program(
-    case: str, degrees: tuple[int, int]
-) -> None:
-    body, n_s, (degree, cut_degree) = _webbed(case == "hub"), 5, degrees
-    prism = Prism(
+@cache
+def _prism_of(case: str, degree: int) -> Prism:
+    return Prism(
         (-0.5 * WIDTH, 0.5 * WIDTH),
         TWIST if case == "helix" else 0.0,
         degree,
         2,
-        cut_degree,
         regions=ASIDE if case == "hub" else (("web", WEB),),
     )
-    surface = flank_surface(body, prism)
-    response = flank_compliance(body, JobOptions(n_modes=n_s, prism=prism)).smooth.copy()
+
+
+@cache
+def _compliance_of(case: str, degree: int) -> BodyCompliance:
+    estimate = (case, degree) == ("hub", 8)
+    options = JobOptions(n_modes=N_S, estimate=estimate, prism=_prism_of(case, degree))
+    return flank_compliance(_webbed(case == "hub"), options)
+
+
+@pytest.mark.parametrize(("case", "degree"), [("spur", 8), ("helix", 8), ("hub", 8), ("hub", 14)])
+def test_a_thin_web_is_as_compliant_as_in_another_program(case: str, degree: int) -> None:
+    body = _webbed(case == "hub")
+    surface = flank_surface(body, _prism_of(case, degree))
+    response = _compliance_of(case, degree).smooth.copy()
     kernel = (1 - body.material.poisson_ratio**2) / (np.pi * body.material.young_modulus_MPa)
     norms = np.outer(
-        mode_norms(body.mode_range_mm, n_s), mode_norms_z(WIDTH, 2) / surface.cos_base_helix
+        mode_norms(body.mode_range_mm, N_S), mode_norms_z(WIDTH, 2) / surface.cos_base_helix
     ).ravel()
-    response[0] += kernel * projected_potential(surface, n_s, 2) / np.outer(norms, norms)
+    response[0] += kernel * projected_potential(surface, N_S, 2) / np.outer(norms, norms)
     own, one = 1e6 * response[:2]
     values = {"mean": own[0, 0], "z1": own[1, 1], "mean by z1": own[0, 1]}
     values |= {"neighbour mean": one[0, 0], "neighbour z1": one[1, 1]}
     for name, value in REFERENCE[case].items():
-        limit = SLOW.get((case, name), LIMITS)[degrees]
+        limit = SLOW[name] if (case, degree) == ("hub", 8) else LIMITS[degree]
         assert values[name] == pytest.approx(value, rel=limit), name
+
+
+def test_the_estimate_of_a_web_beside_a_hub_includes_the_degree_along_the_axis() -> None:
+    """Measured 1.7 times the error of all modes' mean, with that of the plane elements."""
+    found, fine = _compliance_of("hub", 8), _compliance_of("hub", 14)
+    assert found.fe_error is not None
+    missing = (fine.smooth - found.smooth)[0, 0, 0]
+    assert missing < found.fe_error[0, 0, 0] < 2.5 * missing
 
 
 THIN = {"web_width_mm": 4.2, "rim_thickness_mm": 8.0}
@@ -129,8 +134,9 @@ def test_thin_webs_are_compliant_and_one_off_the_middle_tilts() -> None:
     assert aside.face_load_factor > 1.1
     along = aside.line_load_N_per_mm.sum(axis=1)[0]
     assert along[-3] > 1.2 * along[2]
-    assert any("slowly where widths jump" in note for note in aside.warnings)
-    assert not any("slowly where widths jump" in note for note in plain.warnings)
+    # the degree of the displacements along the axis is part of the error of the elements
+    errors = [result.estimate["by_source"]["elements"] for result in (plain, aside)]
+    assert errors[1]["transmission_error"] > errors[0]["transmission_error"]
 
 
 def test_the_mirror_image_of_a_helical_pair_has_mirrored_loads() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -46,6 +45,8 @@ class Card:
 
     def _repr_html_(self) -> str:
         """The card as an HTML table, for notebooks."""
+        from html import escape
+
         rows = (
             f"<tr><th style='text-align:left'>{escape(name)}</th>"
             f"<td style='text-align:left'>{escape(value)}</td></tr>"

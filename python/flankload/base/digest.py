@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache, partial
-from hashlib import blake2b
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from msgspec import Struct
+
+if TYPE_CHECKING:
+    from hashlib import blake2b
 
 #: Types whose text identifies the value.
 PLAIN = (str, float, int, type(None), bytes, PurePath, np.generic)
@@ -36,6 +38,8 @@ def digest_of(data: object) -> bytes:
     TypeError
         If the data contain anything else.
     """
+    from hashlib import blake2b
+
     found = blake2b(digest_size=SIZE)
     _add(data, found)
     return found.digest()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from importlib.util import find_spec
 from pathlib import Path
@@ -28,6 +27,7 @@ from flankload.errors import FlankloadError
 if TYPE_CHECKING:
     from argparse import Namespace
     from collections.abc import Callable, Iterator
+    from concurrent.futures import Executor
 
     from flankload.scene import Scene
     from flankload.studies.design import DesignStudy
@@ -145,11 +145,16 @@ def _executor(arguments: Namespace) -> AbstractContextManager[Executor | None]:
     workers = arguments.workers or processors()
     if arguments.processes:
         import multiprocessing
+        from concurrent.futures import ProcessPoolExecutor
 
         # processes that are forked from one with threads of OpenMP hang in their first sweep
         context = multiprocessing.get_context("spawn")
         return ProcessPoolExecutor(workers, context, initializer=_begin_worker)
-    return nullcontext() if arguments.workers is None else ThreadPoolExecutor(workers)
+    if arguments.workers is None:
+        return nullcontext()
+    from concurrent.futures import ThreadPoolExecutor
+
+    return ThreadPoolExecutor(workers)
 
 
 def _begin_worker() -> None:

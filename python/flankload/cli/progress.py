@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections import deque
-from statistics import median_low
 from threading import Event, Thread, Timer
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Self
@@ -69,7 +68,7 @@ class TimeLeft:
             self._reached, self._last_s = done, now
         if not self._step_s or now - self._began_s < LEAST_S:
             return None
-        return max(0, end - done) * median_low(self._step_s)
+        return max(0, end - done) * sorted(self._step_s)[(len(self._step_s) - 1) // 2]
 
 
 def in_words(seconds: float) -> str:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.elasticity.axial_basis import PLANE
+from flankload.elasticity.axial_basis import PLANE, AxialBasis, cross_terms
 from flankload.elasticity.shape_functions import block_basis
 
 if TYPE_CHECKING:
@@ -237,8 +237,9 @@ def centrifugal_load(section: SectionStiffness, nodes: Floats, cells: Cells) -> 
         force, in_plane = basis.dx * basis.places, np.zeros_like(nodes)  # (2, E, points)
         for value, node in zip(basis.values, connectivity.T, strict=True):
             np.add.at(in_plane, node, (force * value).sum(axis=2).T)
-        span = np.array([bases[region].range_mm])
-        along = bases[region].width_mm * np.concatenate([each.means(span) for each in bases])
+        over = AxialBasis(bases[region].range_mm, 0)
+        along = np.stack([cross_terms(each, over, over)[0][:, 0] for each in bases])
+        along *= np.sqrt(over.width_mm)
         found[..., :2] += along[of_node][:, :, None] * in_plane[:, None, :]
     return found.reshape(len(nodes), -1)
 

@@ -1,7 +1,6 @@
 """Conversion of plain dictionaries to tables by msgspec; the first faulty key is refused."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from fractions import Fraction
 from functools import cache
 from math import inf
@@ -228,6 +227,8 @@ def _refuse_unknown(name: str, value: object, known: list[str], key: str) -> NoR
         if name == begin or (begin.endswith("_") and name.startswith(begin)):
             expected = f"no such key, since this version does not simulate {feature}"
             refuse(path, expected, shown(value))
+    from difflib import get_close_matches
+
     near = get_close_matches(name, known, n=1, cutoff=0.6)
     expected = f"did you mean {near[0]}?" if near else ", ".join(known)
     refuse(path, f"a known key ({expected})", f"the unknown key '{name}'")

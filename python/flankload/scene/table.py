@@ -1,7 +1,6 @@
 """Common parts of all tables of a scene file: number types, key metadata, keys of bodies."""
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from msgspec import UNSET, Meta, Struct, StructMeta, structs
@@ -118,6 +117,8 @@ def _wrong(form: Any, args: tuple[Any, ...], keys: Mapping[str, Any]) -> str:
     known = form.__struct_fields__
     for name in keys:
         if name not in known:
+            from difflib import get_close_matches
+
             near = get_close_matches(name, known, n=1, cutoff=0.6)
             meant = f"did you mean {near[0]}?" if near else ", ".join(known)
             return f"expected a known key ({meant}), found the unknown key {name!r}"

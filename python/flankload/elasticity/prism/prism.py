@@ -20,6 +20,8 @@ COMPONENTS = 3
 #: Least excess of the degree of displacements in z over that of loads: the error of the highest
 #: mode is 0.06 %.
 DEGREES_ABOVE_LOADS = 4
+#: Degree of the cuts of a sector of one width: 0.005 % of the mean mode.
+CUT_DEGREE = 4
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,9 @@ class Prism:
         Degree p of displacements in z.
     load_degree : int
         Degree of pressure modes in z, at most p - 4.
-    cut_degree : int
-        Degree of the displacements of the cuts between sectors in z, at most p.
+    cut_degree : int or None
+        Degree of the displacements of the cuts between sectors in z, at most p; by default 4, and p
+        with regions of other width, whose rings are thin.
     regions : tuple of (str, (float, float))
         Axial ranges of regions of the mesh that differ from `range_mm`, by name.
     shaft : FlexibleShaft or None
@@ -49,7 +52,7 @@ class Prism:
     twist: float = 0.0
     degree: int = 8
     load_degree: int = 4
-    cut_degree: int = 4
+    cut_degree: int | None = None
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
     shaft: FlexibleShaft | None = None
 
@@ -62,7 +65,10 @@ class Prism:
         """Stiffness of a sector."""
         regions, functions = functions_of(mesh, self.axial, dict(self.regions))
         section = section_stiffness(mesh.nodes, mesh.cells, material, self.twist, regions)
-        cut_degree = min(self.cut_degree, self.degree)
+        cut_degree = self.cut_degree
+        if cut_degree is None:
+            cut_degree = CUT_DEGREE if functions == self.axial else self.degree
+        cut_degree = min(cut_degree, self.degree)
         return replace(section, functions=functions, cut_degree=cut_degree)
 
     def bore(self, section: SectionStiffness, mesh: SectorMesh) -> FlexibleBore | None:

@@ -104,6 +104,9 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     if spatial and scene.accuracy.estimate and _is_estimated(pair, z):  # of the plane section
         found["fe_factorisations"] += 1
         found["fe_solutions"] += sum(columns.of_profile)
+        if body.axial.regions:  # another degree along the axis
+            found["fe_factorisations"] += factorisations
+            found["fe_solutions"] += sum(columns.of_profile) * (degrees[1] + 1)
     per_node = (3 if spatial else 2) * (degrees[0] + 1)
     found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth, per_node=per_node)
     counted = _without_unasked(found, pair.effects)

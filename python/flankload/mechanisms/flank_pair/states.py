@@ -326,11 +326,6 @@ def incomplete_estimate_notes(
     slices = [part.slices for part in found if not part.slices.plane]
     if any(on_corner(one.corner_off_ends).any() for one in slices):
         causes.append("the direction of forces at sharp tip corners")
-    if any(body.axial.regions for body in pair.bodies):
-        causes.append(
-            "displacements along the axis (accuracy.axial_degree), converging slowly where "
-            "widths jump"
-        )
     if causes:
         return (f"not included in the estimated error: {'; '.join(causes)}",)
     unknown = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -81,12 +82,17 @@ def test_integrals_over_a_width_mix_functions_of_two() -> None:
 
 def test_nodes_have_the_functions_of_the_widest_region() -> None:
     mesh, _, numbers, axial = _regions(3)
-    assert [basis.range_mm for basis in axial.bases] == [HUB, WIDE, THIN]
+    assert [basis.range_mm for basis in axial.bases[:3]] == [HUB, WIDE, THIN]
+    assert not any(basis.inside_mm for basis in axial.bases[:3])
     assert numbers == (1, 2, 0)
     radius = np.hypot(*mesh.nodes[:, :2].T)
     layers = [np.unique(data) for _, data in mesh.cells]
-    assert set(axial.of_node[layers[0]]) == {1}
-    assert set(axial.of_node[layers[2]]) == {0}
+    for layer, extent in ((layers[0], WIDE), (layers[2], HUB)):
+        own = [axial.bases[number] for number in set(axial.of_node[layer])]
+        assert {(basis.range_mm, basis.inside_mm) for basis in own} == {
+            (extent, ()),
+            (extent, (THIN,)),
+        }
     alone = np.setdiff1d(layers[1], np.concatenate([layers[0], layers[2]]))
     assert set(axial.of_node[alone]) == {2}
     assert alone.size
@@ -96,15 +102,20 @@ def test_nodes_have_the_functions_of_the_widest_region() -> None:
 def _whole(
     mesh: SectorMesh, numbers: tuple[int, ...], axial: AxialRegions, twist: float
 ) -> csc_array:
-    """The stiffness of all unknowns, region by region, from functions restricted to the region.
+    """The stiffness of all unknowns, part by part, from functions restricted to the part.
 
-    Every node first has the functions of its region as if the region were alone; its own
-    functions are polynomials of the same degree there, so they are sums of these.
+    A part is that of a region between the ends of the others. Every node first has the functions of
+    the part as if it were alone; its own functions are polynomials of the same degree there, so
+    they are sums of these.
     """
     size = 3 * axial.count * len(mesh.nodes)
     total = csc_array((size, size))
+    parts = []
     for number, cells in zip(numbers, mesh.cells, strict=True):
-        own = axial.bases[number]
+        low, high = axial.bases[number].range_mm
+        ends = sorted({low, high, *(end for end in THIN if low < end < high)})
+        parts += [(AxialBasis(part, axial.count - 1), cells) for part in pairwise(ends)]
+    for own, cells in parts:
         section = section_stiffness(mesh.nodes, (cells,), STEEL, twist)
         points, weights = leggauss(axial.count)
         low, high = own.range_mm
@@ -134,10 +145,10 @@ def _section(mesh, numbers, functions, twist: float, *, cut_degree: int) -> Sect
 
 @pytest.mark.parametrize("twist", [0.0, 0.04])
 def test_it_is_the_schur_complement_of_the_whole_matrix(twist: float) -> None:
-    mesh, span, numbers, axial = _regions(3)
+    mesh, span, numbers, axial = _regions(4)
     section = _section(mesh, numbers, axial, twist, cut_degree=2)
     matrix = _whole(mesh, numbers, axial, twist)
-    teeth = AxialBasis(WIDE, 3)
+    teeth = AxialBasis(WIDE, 4)
     loads = product_loads(mode_loads(mesh, span, 3, twist=twist), teeth.load_vectors(2))
     cuts = np.concatenate([mesh.left_nodes, mesh.right_nodes])
     kept = unknowns(cuts, axial.count, 3)
@@ -244,6 +255,32 @@ def test_the_matrices_of_a_thin_web_stay_well_conditioned() -> None:
     alone = web[axial.of_node[section.rows[web]] == 2]
     mass = terms[number[alone[0]], 0]
     assert np.linalg.cond(mass) < 1.0 + 1e-12
-    # the functions of the rim over the web alone are nearly dependent
-    seam = web[axial.of_node[section.rows[web]] == 1]
-    assert np.linalg.cond(terms[number[seam[0]], 0]) > 1e8
+    # the polynomials of the rim over the web alone are nearly dependent
+    rim, narrow = AxialBasis(WIDE, 12), AxialBasis(THIN, 12)
+    assert np.linalg.cond(cross_terms(rim, rim, narrow)[0]) > 1e8
+
+
+@pytest.mark.parametrize(
+    ("extent", "inside"),
+    [((-7.0, 7.0), (-2.0, 2.0)), (WIDE, THIN), ((0.0, 5.0), (0.0, 2.0)), ((0.0, 5.0), (2.0, 5.0))],
+)
+def test_functions_of_a_seam_are_orthonormal_with_kinks_at_its_ends(
+    extent: tuple[float, float], inside: tuple[float, float]
+) -> None:
+    basis = AxialBasis(extent, 8, (inside,))
+    _close(basis.terms[0], np.eye(9), 1000 * ROUND_OFF)
+    z, step = np.linspace(*extent, 40)[1:-1], 1e-6
+    change = (basis.values(z + step) - basis.values(z - step)) / (2 * step)
+    np.testing.assert_allclose(basis.derivatives(z), change, rtol=0, atol=1e-6)
+    # polynomials of low degree come first, and functions are even or odd in turn
+    _close(basis.values(z)[:, :5], AxialBasis(extent, 4).values(z), 1000 * ROUND_OFF)
+    if sum(extent) == sum(inside):
+        parity = (-1.0) ** np.arange(9)
+        _close(basis.values(sum(extent) - z), parity * basis.values(z), 1000 * ROUND_OFF)
+    ends = [end for end in inside if extent[0] < end < extent[1]]
+    for end in ends:
+        jump = np.diff(basis.derivatives(np.array([end - step, end + step])), axis=0)
+        assert np.abs(jump).max() > 0.1
+    # ends that are almost those of the width are these
+    nearly = AxialBasis(extent, 8, ((extent[0] + 1e-13, extent[1]),))
+    _close(nearly.values(z), AxialBasis(extent, 8).values(z), 1000 * ROUND_OFF)
