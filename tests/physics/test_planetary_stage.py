@@ -17,7 +17,6 @@ from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from flankload.pairing.stage import surviving_order
-from flankload.pairing.stage_paths import paths_of
 from flankload.report.turning import turning
 from flankload.studies.benchmark.case import read_cases
 from tests.support.planetary_stages import four, scene_of
@@ -329,7 +328,8 @@ def test_numbers_of_a_published_stage():
         "load": {"torque_Nm": 1e6},
     }
     pairing = assemble(fl.Scene.from_dict(scene)).pairing
-    sun, ring = paths_of(pairing).pressure_angles_rad
+    gears = (pairing.meshes[0].pairing.gear_geometry, pairing.meshes[-1].pairing.gear_geometry)
+    sun, ring = (mesh.pressure_angle_rad for mesh in gears)
     np.testing.assert_allclose(np.degrees([sun, ring]), [28.118, 17.161], atol=6e-4)
     radial = (np.sin(sun) - np.sin(ring)) / (np.cos(sun) + np.cos(ring))
     assert radial == pytest.approx(0.0959, abs=5e-5)

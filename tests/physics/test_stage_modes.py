@@ -15,8 +15,8 @@ from flankload.errors import SceneError
 from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
-from flankload.pairing.stage_paths import StagePaths
 from tests.support.planetary_stages import four, scene_of
+from tests.support.stage_paths import StagePaths
 from tests.support.tolerances import ROUND_OFF
 
 #: The table has one decimal.

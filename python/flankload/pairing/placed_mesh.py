@@ -153,8 +153,10 @@ class PlacedMeshes:
         """(M, B, 3) Approach of the flanks of each mesh by x, y and rotation of each body."""
         found = np.zeros((len(self.meshes), len(self.axes_mm), 3))
         for row, mesh in zip(found, self.meshes, strict=True):
-            for body, side in zip(mesh.members, (1.0, -1.0), strict=True):
-                row[body] = *(side * mesh.push), mesh.sense * base_radii_mm[self.tables[body]]
+            # a body and the ring around it approach each other in opposite rotations
+            turns = mesh.sense, mesh.sense * np.sign(mesh.pairing.ratio)
+            for body, side, turn in zip(mesh.members, (1.0, -1.0), turns, strict=True):
+                row[body] = *(side * mesh.push), turn * base_radii_mm[self.tables[body]]
         return found
 
 

@@ -132,6 +132,15 @@ class StagePairing(PlacedMeshes):
         found[:, -1] -= 2.0 * self.ring_turn_rad
         return found
 
+    def path_errors(self, displacements_mm: Floats) -> Floats:
+        """(n,) Earlier contact on each path by displacements (n, 2) of the pins, mm.
+
+        A planet turns freely, so that those of its two meshes add up.
+        """
+        rows = self.rows((1.0, 1.0, 1.0))[:, 1:-1, :2]
+        closing = np.einsum("mnx,nx->m", rows, displacements_mm)
+        return np.asarray(closing[: self.count] + closing[self.count :])
+
     @property
     def sun_phases(self) -> Floats:
         """(n,) Phases of the meshes with the sun, in pitches."""

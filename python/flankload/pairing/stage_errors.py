@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.rotation import directions
+from flankload.base.rotation import directions, turned
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.base.arrays import Floats
     from flankload.pairing.stage import StagePairing
 
@@ -74,3 +76,20 @@ class StageErrors:
             found[:, body, :2] = amount * directions(at + turn * position_rad)
         found[:, 0, :2] += self.sun_at_mm
         return found
+
+
+def pin_directions(angles_rad: Floats) -> Floats:
+    """(n, 2, 2) Directions in which errors of pins count: towards the axis, clockwise."""
+    inward = turned(np.array([-1.0, 0.0]), angles_rad)
+    against = turned(np.array([0.0, -1.0]), angles_rad)
+    return np.stack([inward, against], axis=1)
+
+
+def pin_displacements(
+    angles_rad: Floats,
+    radial_mm: Sequence[float] | Floats,
+    tangential_mm: Sequence[float] | Floats,
+) -> Floats:
+    """(n, 2) Displacements of pins: radial errors inwards, tangential ones clockwise."""
+    errors = np.column_stack([radial_mm, tangential_mm])
+    return np.einsum("nk,nkx->nx", errors, pin_directions(angles_rad))

@@ -10,6 +10,7 @@ from flankload.mechanisms.scene_bodies import bodies_of
 from flankload.pairing.stage import orbit_orders, stage_pairing, surviving_order
 from flankload.scene.discretization import DEFAULT
 from tests.support.planetary_stages import scene_of
+from tests.support.stage_paths import StagePaths
 from tests.support.tolerances import ROUND_OFF
 
 NAMES = ("body_1", "planet", "body_2")
@@ -28,6 +29,21 @@ def pairing(bodies, places, first=0.0):
 def apart(one, two):
     """Largest difference of angles modulo a turn."""
     return np.abs((np.asarray(one) - two + pi) % (2 * pi) - pi).max()
+
+
+def test_levers_are_those_of_the_lines_of_action(bodies):
+    stage = pairing(bodies, (0, 20, 42, 65), first=0.3)
+    ends = stage.meshes[0], stage.meshes[-1]
+    alpha = tuple(mesh.pairing.gear_geometry.pressure_angle_rad for mesh in ends)
+    radii = tuple(body.base_radius_mm for body in bodies)
+    paths = StagePaths(stage.angles_rad, alpha, radii)
+    rows = stage.rows(radii)[:, :, [2, 0, 1]]
+    scale = 1e3 * ROUND_OFF
+    np.testing.assert_allclose(rows[:, 0], paths.sun_rows, rtol=0, atol=scale)
+    np.testing.assert_allclose(rows[:, -1], paths.ring_rows, rtol=0, atol=scale)
+    # planets turn clockwise there
+    clockwise = rows[:, 1:-1] * [-1.0, 1.0, 1.0]
+    np.testing.assert_allclose(clockwise, paths.planet_rows, rtol=0, atol=scale)
 
 
 @pytest.mark.parametrize("places", [(0, 21, 42, 63), (0, 28, 56), (0, 20, 42, 65), (0, 1, 2)])

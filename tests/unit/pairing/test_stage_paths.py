@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.pairing.stage_paths import StagePaths
+from flankload.pairing.stage_errors import pin_directions, pin_displacements
+from tests.support.stage_paths import StagePaths
 from tests.support.tolerances import SOLVER
 
 #: Identities of springs.
@@ -25,7 +26,7 @@ def shares(n, tangential, *, radial=None, floating=False, sun=None, pin=None, we
     p = paths(n)
     compliance = np.diag(np.repeat([1 / SUN_MESH, 1 / RING_MESH], n))
     radial = np.zeros(n) if radial is None else radial
-    moved = p.pin_displacements(radial, tangential)
+    moved = pin_displacements(p.angles_rad, radial, tangential)
     gaps = -np.einsum("mnx,nx->m", p.planet_rows[:, :, 1:], moved)
     motions = [p.sun_rows[:, 0], *p.planet_rows[:, :, 0].T]
     loads = [TORQUE] + [0.0] * n
@@ -35,7 +36,7 @@ def shares(n, tangential, *, radial=None, floating=False, sun=None, pin=None, we
     elif floating:
         compliance += p.sun_rows[:, 1:] @ p.sun_rows[:, 1:].T / sun
     for j in range(n) if pin else ():
-        rows = p.planet_rows[:, j, 1:] @ p.pin_directions()[j].T
+        rows = p.planet_rows[:, j, 1:] @ pin_directions(p.angles_rad)[j].T
         compliance += rows @ np.diag(1 / np.array(pin)) @ rows.T
     state = fl.solve_contact_general(compliance, gaps, np.array(motions).T, np.array(loads))
     return state.normal_forces[:n] / (TORQUE / RADII[0])

@@ -26,8 +26,7 @@ from flankload.mechanisms.several.assembly import (
 from flankload.pairing.body_pair import BodyJob
 from flankload.pairing.slices import Slices, plane_slice, slices_of
 from flankload.pairing.stage import StagePairing, repeating_pitches, stage_pairing
-from flankload.pairing.stage_errors import StageErrors
-from flankload.pairing.stage_paths import StagePaths
+from flankload.pairing.stage_errors import StageErrors, pin_displacements
 from flankload.scene.discretization import Discretization, choose_discretization
 from flankload.scene.effects import Effects, effects_of
 from flankload.scene.gear import Ring
@@ -162,7 +161,6 @@ def _slices(scene: Scene, bodies: tuple[Body, ...]) -> tuple[Slices, Slices]:
 
 def errors_of(stage: Stage, angles_rad: Floats) -> StageErrors:
     """Errors of pins, thicknesses and run-outs, and the displacement of the sun by its weight."""
-    paths = StagePaths(angles_rad, (0.0, 0.0), (1.0, 1.0, 1.0))
     radial, tangential, thickness = (
         np.asarray(stage.errors_mm(f"{name}_errors_um"))
         for name in ("pin_radial", "pin_tangential", "planet_thickness")
@@ -172,11 +170,11 @@ def errors_of(stage: Stage, angles_rad: Floats) -> StageErrors:
         for along in ("radial", "tangential")
     ]
     # du/dz along d is the rotation e_z x d
-    slopes = paths.pin_displacements(*leaning) @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    slopes = pin_displacements(angles_rad, *leaning) @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     (x, y), stiffness = _weight(stage), stage.sun_stiffness_N_per_um
     softness = 0.0 if stiffness is None else 1.0 / (1000.0 * stiffness)
     return StageErrors(
-        pins_mm=paths.pin_displacements(radial, tangential),
+        pins_mm=pin_displacements(angles_rad, radial, tangential),
         thickness_mm=thickness,
         sun_mm=(stage.sun_run_out_um / 2000.0, radians(stage.sun_run_out_angle_deg)),
         ring_mm=(stage.ring_run_out_um / 2000.0, radians(stage.ring_run_out_angle_deg)),

@@ -16,7 +16,6 @@ from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.premises import broken_by_geometry
 from flankload.pairing.gear_pair import describe_gears
 from flankload.pairing.stage import orbit_orders, surviving_order
-from flankload.pairing.stage_paths import paths_of
 from flankload.result.stage import HIGHEST_ORDER
 from flankload.scene.stage import clearance_mm
 
@@ -69,7 +68,7 @@ def _rows_of_stage(scene: Scene, assembly: StageAssembly) -> Rows:
         ("orders of the orbit of the sun", _orbit(pairing.count, zs, even=pairing.equally_spaced)),
         ("floating", f"{stage.floating}"),
     ]
-    errors = 1000.0 * paths_of(pairing).path_errors(assembly.errors.pins_mm)
+    errors = 1000.0 * pairing.path_errors(assembly.errors.pins_mm)
     if errors.any():
         rows.append(("errors of the pins along the paths", f"{_listed(errors)} um"))
     return rows

@@ -1,4 +1,4 @@
-"""The paths of force of a planetary stage: levers on its lines of action, and pin errors.
+"""The paths of force of a planetary stage: levers on its lines of action, by their formulas.
 
 Rows are those of g = K F + g0 - B q: one for each gear mesh of a stage, with its force on the line
 of action. Columns are motions of the members in the frame of the carrier. The torque on the sun is
@@ -16,10 +16,7 @@ import numpy as np
 from flankload.base.rotation import turned
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from flankload.base.arrays import Floats
-    from flankload.pairing.stage import StagePairing
 
 
 @dataclass(frozen=True)
@@ -75,39 +72,3 @@ class StagePaths:
         found[0, own, own] = np.column_stack([np.full(n, -radius), -self.sun_pushes])
         found[1, own, own] = np.column_stack([np.full(n, radius), self.ring_pushes])
         return found.reshape(2 * n, n, 3)
-
-    def pin_directions(self) -> Floats:
-        """(n, 2, 2) Directions in which errors of the pins count: towards the axis, clockwise."""
-        inward = turned(np.array([-1.0, 0.0]), self.angles_rad)
-        against = turned(np.array([0.0, -1.0]), self.angles_rad)
-        return np.stack([inward, against], axis=1)
-
-    def pin_displacements(
-        self, radial_mm: Sequence[float] | Floats, tangential_mm: Sequence[float] | Floats
-    ) -> Floats:
-        """(n, 2) Displacements of pins: radial errors inwards, tangential ones clockwise."""
-        errors = np.column_stack([radial_mm, tangential_mm])
-        return np.einsum("nk,nkx->nx", errors, self.pin_directions())
-
-    def path_errors(self, displacements_mm: Floats) -> Floats:
-        """(n,) Earlier contact on each path by displacements (n, 2) of the pins, mm.
-
-        A planet turns freely, so that those of its two meshes add up.
-        """
-        n = len(self.angles_rad)
-        closing = np.einsum("mnx,nx->m", self.planet_rows[:, :, 1:], displacements_mm)
-        return np.asarray(closing[:n] + closing[n:])
-
-
-def paths_of(pairing: StagePairing) -> StagePaths:
-    """Lines of action of a stage."""
-    one, two = pairing.meshes[0].pairing.gear_geometry, pairing.meshes[-1].pairing.gear_geometry
-    assert one is not None
-    assert two is not None
-    sun = one.pitch_radius_1_mm * cos(one.pressure_angle_rad)
-    first, planet, ring = pairing.teeth
-    return StagePaths(
-        pairing.angles_rad,
-        (one.pressure_angle_rad, two.pressure_angle_rad),
-        (sun, sun * planet / first, sun * ring / first),
-    )
