@@ -204,7 +204,10 @@ class PairDrawing:
         """Two corners (2,) of the rectangle around both bodies at all of these positions."""
         found = []
         for body in self.bodies:
-            turned = (all_around(body.outline, body.teeth, body.angle[p]) for p in positions)
+            radius = np.hypot(*body.outline.T)
+            # a tip is within half a pitch of each direction
+            outer = body.outline[radius >= np.cos(np.pi / body.teeth) * radius.max()]
+            turned = (all_around(outer, body.teeth, body.angle[p]) for p in positions)
             found += [body.center_mm + outline for outline in turned]
             found.append(body.center_mm + np.outer([-1.0, 1.0], [body.hole_mm or 0.0] * 2))
         every = np.concatenate(found)
