@@ -48,7 +48,7 @@ def curves_of(result: Result) -> dict[str, Columns]:
         found["pressure"] = _columns(place, pressure, on_corner)
     if "transmission_error_spectrum" in known:
         orders = result.key_figures["transmission_error_mesh_harmonics_um"] or []
-        found["spectrum"] = _columns(np.arange(1.0, 1 + len(orders)), np.array(orders))
+        found["spectrum"] = _columns(np.arange(1.0, 1 + len(orders)), np.array(orders, dtype=float))
     if "load_sharing" not in known and result.sites.size > 1:
         force = result.site_force_N[of_largest_force(result)]
         found["sites"] = _columns(1.0 * result.sites, force)

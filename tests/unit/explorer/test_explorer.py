@@ -20,6 +20,7 @@ from bokeh.palettes import Inferno256
 
 import flankload as fl
 from flankload.explorer.bodies import drawing_of, windows_of
+from flankload.explorer.curves import curves_of
 from flankload.explorer.keys import keys_of, shown_keys
 from flankload.explorer.page import Page
 from flankload.explorer.pictures import Picture
@@ -274,6 +275,15 @@ def test_pressures_on_corners_alone_are_within_the_picture() -> None:
     columns = {"x": np.arange(3.0), "y": np.full(3, np.nan), "corner": np.full(3, 1100.0)}
     picture.show(columns, SimpleNamespace(engagement=engagement))  # type: ignore[arg-type]
     assert max(one["end"] for one in sent if "end" in one) > 1100.0
+
+
+def test_a_spectrum_has_the_orders_that_few_positions_have() -> None:
+    """Orders that the positions do not have are none, and the page had no pictures at all."""
+    found = solve(scene_of().replace({"positions.count": 4}))
+    assert isinstance(found, fl.Result)
+    spectrum = curves_of(found)["spectrum"]
+    assert spectrum["x"].tolist() == [1.0]
+    assert spectrum["y"][0] > 0
 
 
 # --- bodies ---------------------------------------------------------------------------------------
