@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import cos, pi, sin
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -149,15 +150,21 @@ class PlacedMeshes:
         every = enumerate(mesh.members for mesh in self.meshes)
         return [(m, both.index(body)) for m, both in every if body in both]
 
-    def rows(self, base_radii_mm: Sequence[float]) -> Floats:
-        """(M, B, 3) Approach of the flanks of each mesh by x, y and rotation of each body."""
+    @cached_property
+    def _levers(self) -> Floats:
+        """(M, B, 3) Rows of base radii of 1 mm."""
         found = np.zeros((len(self.meshes), len(self.axes_mm), 3))
         for row, mesh in zip(found, self.meshes, strict=True):
             # a body and the ring around it approach each other in opposite rotations
             turns = mesh.sense, mesh.sense * np.sign(mesh.pairing.ratio)
             for body, side, turn in zip(mesh.members, (1.0, -1.0), turns, strict=True):
-                row[body] = *(side * mesh.push), turn * base_radii_mm[self.tables[body]]
+                row[body] = *(side * mesh.push), turn
         return found
+
+    def rows(self, base_radii_mm: Sequence[float]) -> Floats:
+        """(M, B, 3) Approach of the flanks of each mesh by x, y and rotation of each body."""
+        turning = np.array([base_radii_mm[table] for table in self.tables])
+        return self._levers * np.stack([np.ones_like(turning)] * 2 + [turning], axis=-1)
 
 
 def paired(names: tuple[str, str], bodies: tuple[Body, Body], distance_mm: float) -> Pairing:
