@@ -300,6 +300,31 @@ def test_the_work_of_the_elements_is_predicted():
         assert {key: found.get(key, 0) for key in predicted} == dict(predicted), name
 
 
+def test_a_free_rim_over_its_width():
+    """Between plane strain and plane stress, like a clamped one, from which it is far away."""
+    free = {"stage": {"floating": "ring", "ring_support": "free"}}
+    found = stage(0.0, **free)
+    bounds = [
+        solve(
+            fl.Scene.from_dict(
+                {
+                    name: {key: value for key, value in keys.items() if key not in SOLID}
+                    if isinstance(keys, dict)
+                    else keys
+                    for name, keys in wide(0.0, accuracy={"plane": plane}, **free).items()
+                }
+            )
+        ).transmission_error_um[0]
+        for plane in ("strain", "stress")
+    ]
+    assert bounds[0] < found.transmission_error_um[0] < bounds[1]
+    assert bounds[0] > 2 * stage(0.0).transmission_error_um[0]
+    assert np.isnan(found.ring_deflection_um).all()
+    assert found.summary["ring_deflection_max_um"] is None
+    helical = stage(**free)
+    np.testing.assert_allclose(helical.ring_torque_Nm, 450 * 59 / 25, rtol=LEVERS)
+
+
 #: An elastic carrier whose webs twist.
 CARRIER = {
     "plate_distance_mm": 36,

@@ -427,9 +427,9 @@ def _check_width(asked: SceneFile, why: str) -> None:
     if flank is not None and asked.planet is not None and pair is not None:
         width = asked.planet.face_width_mm or pair.face_width_mm
         flank.check(width, "stage.planet_ring_flank")
-    if asked.stage.ring_support != "clamped":
-        expected = f"'clamped', since {why} requires three dimensions: this version has rims that "
-        expected += "bend in plane stages"
+    if asked.stage.ring_support == "bolts":
+        expected = f"'clamped' or 'free', since {why} requires three dimensions: this version has "
+        expected += "bolts in plane stages"
         refuse("stage.ring_support", expected, f"'{asked.stage.ring_support}'")
 
 

@@ -116,7 +116,12 @@ def _jobs(
     return (
         BodyJob(elastic[0], fillets[0]),
         BodyJob(elastic[1], fillets[1], coast_flanks=True),
-        BodyJob(elastic[2], fillets[2], coast_flanks=wide, rim=stage.ring_support != "clamped"),
+        BodyJob(
+            elastic[2],
+            fillets[2],
+            coast_flanks=wide,
+            rim=stage.ring_support != "clamped" and not wide,
+        ),
     )
 
 

@@ -26,7 +26,7 @@ def motion_of_rim(
     -------
     radial_mm : (P, z) array
         From the space that planet 1 meets at position 0 on, counter-clockwise; of a free rim
-        beyond the motion of the ring, 0 of a clamped one.
+        beyond the motion of the ring, 0 of a clamped one, NaN of a free one with a width.
     orbit_mm : (P, 2) array
         Mean displacement of the ring by its bolts, in the frame of the carrier.
     """
@@ -35,7 +35,9 @@ def motion_of_rim(
     if motion is None and ring.rim is not None:
         motion = rim_motion(ring.rim, teeth)
     if motion is None:
-        return np.zeros((len(found.motions), teeth)), np.zeros((len(found.motions), 2))
+        # this version reads the rim in the plane
+        held = np.nan if assembly.supports.ring_free else 0.0
+        return np.full((len(found.motions), teeth), held), np.zeros((len(found.motions), 2))
     loads = np.zeros((len(found.motions), teeth, motion.radial.shape[1] // teeth))
     for mesh, sweep in zip(pairing.meshes, found.meshes, strict=True):
         if not mesh.with_ring:
