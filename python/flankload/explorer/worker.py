@@ -193,9 +193,11 @@ class Worker:
         try:
             scene = request.scene if rests else self._coarse(request.values)
             result = solve_scene(scene, progress, self.parts, unloaded=rests)
-        except FlankloadError as error:
-            seconds = time.perf_counter() - begin
-            self._tell(Answer(request, None, seconds, str(error)))
+        except (CancelledError, _ElementsError):
+            raise
+        except Exception as error:
+            line = str(error) if isinstance(error, FlankloadError) else repr(error)
+            self._tell(Answer(request, None, time.perf_counter() - begin, line))
             raise
         self._tell(Answer(request, result, time.perf_counter() - begin))
         return result

@@ -245,6 +245,19 @@ def test_keys_that_reach_the_elements_are_known() -> None:
     assert worker.reaching == {"body_1.bore_diameter_mm"}
 
 
+def test_an_error_of_the_program_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: Any, **__: Any) -> None:
+        raise MemoryError("no room")
+
+    monkeypatch.setattr("flankload.explorer.worker.solve_scene", fails)
+    scene, answers = scene_of(), list[Answer]()
+    worker = Worker(scene, keys_of(scene), (), answers.append, lambda *_: None)
+    with pytest.raises(MemoryError):
+        worker.change(Request(1, {}, scene)).result()
+    worker.close()
+    assert [answer.error for answer in answers if answer.error] == ["MemoryError('no room')"]
+
+
 # --- pictures -------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("name", "labels"),
