@@ -58,12 +58,16 @@ def run(
 ) -> Sweep:
     pair = plane()[0]
     pairing = pair.pairing
+    bodies = tuple(
+        replace(body, axial=replace(body.axial, twist_rad_per_mm=part.modes.axial.twist))
+        for body, part in zip(pair.bodies, compliances, strict=True)
+    )
     if deviations is not None:
         pairing = replace(pairing, site_deviations_mm=deviations)
     friction = None if mu is None else rubbing(mu)
     (found,) = sweep(
         FlankContact(
-            GearMesh(pair.bodies, pairing, slices or plane_slice(width), friction),
+            GearMesh(bodies, pairing, slices or plane_slice(width), friction),
             compliances,
             **{"level": "lumped", "grid": pair.discretization.grid, **keywords},
         ),
