@@ -37,8 +37,9 @@ module flankload_mode_field
 
     !> Number of columns that are computed together: as many as fit into the cache
     integer, parameter :: panel = 96
-    !> Number of places up to which calls of BLAS cost more than they save
-    integer, parameter :: few = 8
+    !> Number of places, and mean number of places of a flank, up to which calls of BLAS cost more
+    !> than they save
+    integer, parameter :: few = 8, few_of_flank = 2
 
 contains
 
@@ -57,55 +58,79 @@ contains
         logical, intent(in), optional :: is_first
 
         logical :: sets
-        integer :: b, m, first, last, row, row_last
-        integer :: at(n, size(bodies)), before(size(bodies) + 1), flank(n)
-        real(wp), allocatable :: values(:, :), displaced(:, :)
+        integer :: b, i, first, last, row, row_last
+        integer :: at(n, size(bodies)), flank(n), n_modes(size(bodies))
 
         sets = .false.
         if (present(is_first)) sets = is_first
-        m = sum([(size(places(b)%values, 1), b=1, size(bodies))])
-        if (sets .and. (n <= few .or. m == 0)) matrix = 0.0_wp
-        if (m == 0) return
-        if (n <= few) then
+        at = 0
+        flank = 0
+        do b = 1, size(bodies)
+            n_modes(b) = size(places(b)%values, 1)
+            at(places(b)%of, b) = [(i, i=1, size(places(b)%of))]
+            flank(places(b)%of) = places(b)%flank
+        end do
+        if (n <= max(few, few_of_flank*(1 + count(flank(2:) /= flank(:n - 1))))) then
+            if (sets) matrix = 0.0_wp
             do b = 1, size(bodies)
                 call add_modes_singly(bodies(b), places(b), matrix)
             end do
             return
         end if
-        before(1) = 0
-        at = 0
-        flank = 0
-        do b = 1, size(bodies)
-            before(b + 1) = before(b) + size(places(b)%values, 1)
-            at(places(b)%of, b) = [(m, m=1, size(places(b)%of))]
-            flank(places(b)%of) = places(b)%flank
-        end do
-        allocate (values(m, n), displaced(m, panel), source=0.0_wp)
-        do b = 1, size(bodies)
-            values(before(b) + 1:before(b + 1), places(b)%of) = places(b)%values
-        end do
         first = 1
         do while (first <= n)
             last = min(last_of_site(flank, first), first + panel - 1)
             row = first
             do while (row <= n)
                 row_last = last_of_site(flank, row)
-                do b = 1, size(bodies)
-                    call displace(bodies(b), places(b), at([row, first], b), last - first + 1, &
-                        & before(b), m, displaced)
-                end do
-                if (sets) then
-                    call set_product(row_last - row + 1, last - first + 1, m, values(1, row), &
-                        & displaced, n, matrix(row, first))
-                else
-                    call add_block(row_last - row + 1, last - first + 1, m, values(1, row), &
-                        & displaced, n, matrix(row, first))
-                end if
+                call add_flank(bodies, places, at([row, first], :), [row_last - row, last - first] &
+                    & + 1, sum(n_modes, mask=all(at([row, first], :) > 0, dim=1)), sets, n, &
+                    & matrix(row, first))
                 row = row_last + 1
             end do
             first = last + 1
         end do
     end subroutine add_modes
+
+    !> Add or set the displacements of a flank under forces on another one, by the modes of all
+    !> bodies to which both belong.
+    pure subroutine add_flank(bodies, places, at, counts, m, sets, n, part)
+        !> Compliances of the bodies, and their places
+        type(compliance_type), intent(in) :: bodies(:)
+        type(places_type), intent(in) :: places(:)
+        !> First places where displaced and of the loads, 0 if not on a body, shape (2, bodies), and
+        !> their numbers
+        integer, intent(in) :: at(:, :)
+        integer, intent(in) :: counts(2)
+        !> Number of modes of these bodies
+        integer, intent(in) :: m
+        !> True to set the displacements
+        logical, intent(in) :: sets
+        !> Leading dimension of K
+        integer, intent(in) :: n
+        !> K from the first place where displaced and that of the loads on [mm/N]
+        real(wp), intent(inout) :: part(n, *)
+
+        integer :: b, before
+        real(wp) :: values(m, counts(1)), displaced(m, counts(2))
+
+        if (m == 0 .and. sets) part(:counts(1), :counts(2)) = 0.0_wp
+        if (m == 0) return
+        before = 0
+        do b = 1, size(bodies)
+            if (any(at(:, b) == 0)) cycle
+            associate (own => places(b)%values(:, at(1, b):at(1, b) + counts(1) - 1))
+                values(before + 1:before + size(own, 1), :) = own
+                call displace(bodies(b), places(b), at(:, b), counts(2), before, m, displaced)
+                before = before + size(own, 1)
+            end associate
+        end do
+        if (sets) then
+            call set_product(counts(1), counts(2), m, values, displaced, n, part)
+        else
+            call add_block(counts(1), counts(2), m, values, displaced, n, part)
+        end if
+    end subroutine add_flank
 
     !> Add the displacements by modes of one body place by place.
     pure subroutine add_modes_singly(body, places, matrix)
@@ -140,11 +165,11 @@ contains
         type(compliance_type), intent(in) :: body
         !> Its places
         type(places_type), intent(in) :: places
-        !> Places where displaced, and of the first of the loads; 0 if on other bodies
+        !> Places where displaced, and of the first of the loads
         integer, intent(in) :: at(2)
         !> Number of loads, which are consecutive
         integer, intent(in) :: n
-        !> Numbers of modes of the bodies before this one, and of all bodies
+        !> Number of modes before those of the body, and of all modes
         integer, intent(in) :: before
         integer, intent(in) :: m
         !> Displacements as modes [mm/N]; those of the body are set
@@ -154,10 +179,6 @@ contains
 
         own = size(places%values, 1)
         if (own == 0) return
-        if (any(at == 0)) then
-            displaced(before + 1:before + own, :) = 0.0_wp
-            return
-        end if
         ! reciprocal: the block with both sites exchanged is the transpose
         call set_product(own, n, own, body%smooth(:, :, body%block(places%site(at(2)), &
             & places%site(at(1)))), places%values(:, at(2):), m, displaced(before + 1, 1))

@@ -11,7 +11,7 @@ module flankload_shaft_influence
     implicit none
     private
 
-    public :: add_carrier, add_shaft, slide_shaft
+    public :: add_carrier, add_product_of, add_shaft, slide_shaft
 
 contains
 
@@ -56,23 +56,23 @@ contains
 
     !> Add wᵀ S w in panels.
     pure subroutine add_product_of(compliance, wrenches, n, matrix)
-        !> Compliance of the shaft
-        real(wp), intent(in) :: compliance(6, 6)
-        !> Number of places, and unit forces there, shape (6, n)
+        !> Compliance of the support or shaft, shape (k, k)
+        real(wp), intent(in) :: compliance(:, :)
+        !> Number of places, and unit forces there, shape (k, n)
         integer, intent(in) :: n
-        real(wp), intent(in) :: wrenches(6, n)
+        real(wp), intent(in) :: wrenches(size(compliance, 1), n)
         !> K [mm/N] (of explicit shape, so that parts of it are passed in place)
         real(wp), intent(inout) :: matrix(n, n)
 
         !> Number of columns that are computed together
         integer, parameter :: panel = 96
         integer :: first
-        real(wp) :: moved(6, n)
+        real(wp) :: moved(size(compliance, 1), n)
 
         moved = matmul(compliance, wrenches)
         do first = 1, n, panel
-            call add_block(n - first + 1, min(panel, n - first + 1), 6, wrenches(1, first), &
-                & moved(1, first), n, matrix(first, first))
+            call add_block(n - first + 1, min(panel, n - first + 1), size(moved, 1), &
+                & wrenches(1, first), moved(1, first), n, matrix(first, first))
         end do
     end subroutine add_product_of
 

@@ -5,6 +5,7 @@ module flankload_support_influence
     use flankload_kinds, only: wp
     use flankload_mesh, only: body_type
     use flankload_mode_field, only: places_type
+    use flankload_shaft_influence, only: add_product_of
     implicit none
     private
 
@@ -12,20 +13,15 @@ module flankload_support_influence
 
 contains
 
-    !> Add the displacements of one body on its support.
+    !> Add the displacements of one body on its support to the lower triangle of K.
     pure subroutine add_support(body, places, matrix)
         !> As in of_body
         type(body_type), intent(in) :: body
         type(places_type), intent(in) :: places
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: j
-
-        if (.not. allocated(body%support)) return
-        do j = 1, size(places%of)
-            matrix(:, j) = matrix(:, j) + matmul(matmul(body%support, places%on_support(:, j)), &
-                & places%on_support)
-        end do
+        if (allocated(body%support)) call add_product_of(body%support, places%on_support, &
+            & size(places%of), matrix)
     end subroutine add_support
 
 end module flankload_support_influence
