@@ -34,6 +34,8 @@ DIFFERENCE = 1e-9
 TURNED = 1e-12
 #: Forces that converge from another start, to the largest (measured 2e-9).
 CONTINUED = 1e-8
+#: Squares of displacements over the radii of curvature, to the approach under a small load.
+SQUARES = 1e-5
 #: Positions off sharp corners.
 SMOOTH = {"count": None, "angles_deg": [1.8, 5.4]}
 
@@ -208,6 +210,21 @@ def test_one_planet_is_two_pairs_in_series():
             mesh.site_force_N.sum(axis=1), own.site_force_N.sum(axis=1), rtol=LEVERS
         )
     np.testing.assert_allclose(single.transmission_error_um, approach, rtol=SOLVER)
+
+
+@pytest.mark.parametrize("contact", ["lumped", "pairs"])
+def test_radial_errors_of_equal_angles_leave_the_shares_alone(contact):
+    """Normals differ over a contact, but no gap closes by the square of a displacement."""
+    shares = [
+        stage(
+            positions=SMOOTH,
+            stage={"pin_radial_errors_um": errors, "floating": "none"},
+            load={"torque_Nm": 30},
+            effects={"contact": contact},
+        ).planet_load_share
+        for errors in ([12, 6, 23, -8], [])
+    ]
+    np.testing.assert_allclose(*shares, rtol=0, atol=SQUARES)
 
 
 def test_planets_that_lift_off():
