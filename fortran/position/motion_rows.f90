@@ -201,9 +201,9 @@ contains
         end associate
     end function tilted
 
-    !> Subtract known displacements of the bodies from the gaps of pairs of one zone, all by the
-    !> normal at the point of least gap: with a normal for each pair, the gap would also close by
-    !> the square of a displacement along the flanks, which true displacements do not do.
+    !> Subtract known displacements of the bodies from the gaps of pairs of one zone, along x and y
+    !> by the normal at its point of least gap: with a normal for each pair, the gap would also
+    !> close by the square of a displacement along the flanks, which true displacements do not do.
     pure subroutine displace_pairs(bodies, displacements, mesh, zone, first, pairs)
         !> As in closed_by_displacements
         type(body_type), intent(in) :: bodies(:)
@@ -215,9 +215,16 @@ contains
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
 
-        pairs%gap_angle(first:pairs%n) = pairs%gap_angle(first:pairs%n) &
-            & - closed_by_displacements(bodies, displacements, mesh, zone, zone%nearest%point_1, &
-            & zone%closing)
+        integer :: i
+        real(wp) :: closing(3, 2)
+
+        closing = zone%closing
+        do i = first, pairs%n
+            closing(3, :) = pairs%closing(3, :, i)
+            pairs%gap_angle(i) = pairs%gap_angle(i) &
+                & - closed_by_displacements(bodies, displacements, mesh, zone, &
+                & pairs%point(:, i), closing)
+        end do
     end subroutine displace_pairs
 
     !> Solve R^T (V q - w) = Q for the motions, with the solutions V of K V = B and w of K w = g.
