@@ -59,14 +59,13 @@ contains
 
         logical :: sets
         integer :: b, i, first, last, row, row_last
-        integer :: at(n, size(bodies)), flank(n), n_modes(size(bodies))
+        integer :: at(n, size(bodies)), flank(n)
 
         sets = .false.
         if (present(is_first)) sets = is_first
         at = 0
         flank = 0
         do b = 1, size(bodies)
-            n_modes(b) = size(places(b)%values, 1)
             at(places(b)%of, b) = [(i, i=1, size(places(b)%of))]
             flank(places(b)%of) = places(b)%flank
         end do
@@ -83,9 +82,8 @@ contains
             row = first
             do while (row <= n)
                 row_last = last_of_site(flank, row)
-                call add_flank(bodies, places, at([row, first], :), [row_last - row, last - first] &
-                    & + 1, sum(n_modes, mask=all(at([row, first], :) > 0, dim=1)), sets, n, &
-                    & matrix(row, first))
+                call add_flank(bodies, places, at([row, first], :), [row, row_last], &
+                    & [first, last], sets, n, matrix)
                 row = row_last + 1
             end do
             first = last + 1
@@ -94,28 +92,33 @@ contains
 
     !> Add or set the displacements of a flank under forces on another one, by the modes of all
     !> bodies to which both belong.
-    pure subroutine add_flank(bodies, places, at, counts, m, sets, n, part)
+    pure subroutine add_flank(bodies, places, at, rows, columns, sets, n, matrix)
         !> Compliances of the bodies, and their places
         type(compliance_type), intent(in) :: bodies(:)
         type(places_type), intent(in) :: places(:)
-        !> First places where displaced and of the loads, 0 if not on a body, shape (2, bodies), and
-        !> their numbers
+        !> First places where displaced and of the loads, 0 if not on a body, shape (2, bodies)
         integer, intent(in) :: at(:, :)
-        integer, intent(in) :: counts(2)
-        !> Number of modes of these bodies
-        integer, intent(in) :: m
+        !> First and last row and column of K, shape (2)
+        integer, intent(in) :: rows(2)
+        integer, intent(in) :: columns(2)
         !> True to set the displacements
         logical, intent(in) :: sets
-        !> Leading dimension of K
+        !> Number of pairs or zones
         integer, intent(in) :: n
-        !> K from the first place where displaced and that of the loads on [mm/N]
-        real(wp), intent(inout) :: part(n, *)
+        !> K [mm/N]
+        real(wp), intent(inout) :: matrix(n, n)
 
-        integer :: b, before
-        real(wp) :: values(m, counts(1)), displaced(m, counts(2))
+        integer :: b, before, counts(2), m
+        real(wp), allocatable :: values(:, :), displaced(:, :)
 
-        if (m == 0 .and. sets) part(:counts(1), :counts(2)) = 0.0_wp
+        m = 0
+        do b = 1, size(bodies)
+            if (all(at(:, b) > 0)) m = m + size(places(b)%values, 1)
+        end do
+        if (m == 0 .and. sets) matrix(rows(1):rows(2), columns(1):columns(2)) = 0.0_wp
         if (m == 0) return
+        counts = [rows(2) - rows(1), columns(2) - columns(1)] + 1
+        allocate (values(m, counts(1)), displaced(m, counts(2)))
         before = 0
         do b = 1, size(bodies)
             if (any(at(:, b) == 0)) cycle
@@ -126,9 +129,11 @@ contains
             end associate
         end do
         if (sets) then
-            call set_product(counts(1), counts(2), m, values, displaced, n, part)
+            call set_product(counts(1), counts(2), m, values, displaced, n, &
+                & matrix(rows(1), columns(1)))
         else
-            call add_block(counts(1), counts(2), m, values, displaced, n, part)
+            call add_block(counts(1), counts(2), m, values, displaced, n, &
+                & matrix(rows(1), columns(1)))
         end if
     end subroutine add_flank
 

@@ -453,7 +453,7 @@ def test_fields_of_all_bodies_have_the_forces_of_the_contacts(tmp_path):
     """Nodes under forces are beside the contacts; sums are those of planets and pins."""
     scene = scene_of(
         positions={"count": None, "angles_deg": [1.8]},
-        stage={"planets": 2, "pin_tangential_errors_um": [20, 0]},
+        stage={"planets": 3, "pin_tangential_errors_um": [20, 0, 0]},
         accuracy={"flank_element_mm": 2.0, "modes": 3},
     )
     found = solve(scene)
@@ -461,7 +461,7 @@ def test_fields_of_all_bodies_have_the_forces_of_the_contacts(tmp_path):
     places = np.column_stack([table.x_mm, table.y_mm])[table.force_N > 0]
     largest = np.abs(found.pin_force_N).max()
     bodies = mechanism_of(scene).fields_of_bodies(scene)
-    assert list(bodies) == ["body_1", *(f"planet_{j}" for j in (1, 2)), "body_2"]
+    assert list(bodies) == ["body_1", *(f"planet_{j}" for j in (1, 2, 3)), "body_2"]
     for j, body in enumerate(bodies.values()):
         fields = body.at(found, 0)
         loaded = np.abs(fields.force_N).sum(axis=1) > 0
@@ -475,7 +475,7 @@ def test_fields_of_all_bodies_have_the_forces_of_the_contacts(tmp_path):
         pushed = (fields.displacement_mm * fields.force_N).sum()
         assert pushed > 0.0
     lines = fl.write_vtu(scene, found, tmp_path)
-    assert len(lines) == 4
+    assert len(lines) == 5
     assert (tmp_path / "planet_2_0000.vtu").is_file()
 
 

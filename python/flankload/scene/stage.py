@@ -324,6 +324,7 @@ class Stage(Table, frozen=True, kw_only=True):
         if self.carrier is not None:
             self.carrier.check((given or {}).get("carrier", {}), "stage.carrier", self.count)
         self._check_sun()
+        self._check_balance()
         self._check_bolts()
         self._check_rim()
 
@@ -345,6 +346,14 @@ class Stage(Table, frozen=True, kw_only=True):
             if getattr(self, name) and self.floating != "sun":
                 expected = "nothing, unless stage.floating is 'sun'"
                 refuse(f"stage.{name}", expected, getattr(self, name))
+
+    def _check_balance(self) -> None:
+        """Check that planets on all sides hold a member that floats without springs."""
+        held = self.floating == "none" or self.sun_stiffness_N_per_um is not None
+        if held or widest_apart_deg(self) < 180.0 - ASSEMBLED:
+            return
+        expected = "'none', unless there are planets on all sides of the axis: nothing else "
+        refuse("stage.floating", f"{expected}holds the {self.floating}", f"'{self.floating}'")
 
     def _check_rim(self) -> None:
         """Check that a free rim floats, and that no second member floats without springs."""
@@ -492,8 +501,18 @@ def assembled_places(stage: Stage, teeth: int) -> tuple[int, ...]:
 
 def least_apart_deg(stage: Stage) -> float:
     """Least angle between neighbouring planets, deg; 360 for a single one."""
+    return min(_angles_between(stage))
+
+
+def widest_apart_deg(stage: Stage) -> float:
+    """Largest angle between neighbouring planets, deg; 360 for a single one."""
+    return max(_angles_between(stage))
+
+
+def _angles_between(stage: Stage) -> tuple[float, ...]:
+    """Angles between neighbouring planets around the axis, deg."""
     angles = stage.nominal_angles_deg
-    return min(two - one for one, two in pairwise((*angles, angles[0] + 360.0)))
+    return tuple(two - one for one, two in pairwise((*angles, angles[0] + 360.0)))
 
 
 def clearance_mm(stage: Stage, center_distance_mm: float, tip_diameter_mm: float) -> float:

@@ -170,6 +170,11 @@ def test_planets_that_collide():
             {"stage": {"floating": "carrier", "ring_support": "free"}},
             "a free rim floats beside the floating carrier",
         ),
+        (
+            {"stage": {"planets": None, "angles_deg": [0, 90, 180]}},
+            "stage.floating: expected 'none', unless there are planets on all sides of the axis: "
+            "nothing else holds the sun, found 'sun'",
+        ),
         ({"positions": {"adaptive": True}}, "positions.adaptive: expected false with [stage]"),
     ],
 )
