@@ -59,6 +59,9 @@ class CondensedSector:
         cut are consecutive.
     mean : MeanMotion or None
         Of a bore that is not fixed itself.
+    line : (float, (u,) array) or None
+        Of a symmetric sector, whose cuts are straight: polar angle of the left one, rad, and the
+        signs of the unknowns of one of its points in its image about the cut, with x along it.
     """
 
     local: tuple[Floats, ...]
@@ -66,6 +69,7 @@ class CondensedSector:
     stiffness: Floats
     components: int = 2
     mean: MeanMotion | None = None
+    line: tuple[float, Floats] | None = None
 
     def with_reactions(self, count: int) -> CondensedSector:
         """The sector whose last `count` loads are the reactions of a mean motion."""

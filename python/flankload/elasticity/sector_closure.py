@@ -11,7 +11,8 @@ in the harmonics of rigid motions (`MeanMotion`).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +32,8 @@ from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from flankload.base.arrays import Complexes, Floats, Numbers
     from flankload.bodies.body import WholeMesh
@@ -124,11 +127,15 @@ class Harmonics:
 
     with the forces l and c of loads and reactions on the cuts, and the motions x and h under them
     with fixed cuts. A reading r of [w; s] is [l_r; W'x_r]'.
+
+    A reflection about a cut reverses the order of the sectors, so that it makes S of a symmetric
+    sector its conjugate: with a factor of i for the unknowns that change their signs, S is real.
     """
 
     def __init__(self, sector: CondensedSector, teeth: int) -> None:
         self._sector, self._pitch = sector, 2.0 * np.pi / teeth
         self._stiffness, self._carried = turned_cuts(sector, self._pitch)
+        self._real = None if sector.line is None else _RealParts.of(sector, self._stiffness)
 
     def motions(self, k: int) -> Complexes:
         """Motions W (n, q) of a ring in harmonic k, by the reactions of a sector."""
@@ -158,6 +165,12 @@ class Harmonics:
         corner = -motions.conj().T @ mean.own @ motions
         return np.block([[stiffness, border], [border.conj().T, corner]])
 
+    def solved(self, k: int, right: Complexes) -> Complexes:
+        """Unknowns of (M1) in harmonic k for right sides (n, r)."""
+        if self._real is None or self.motions(k).size:
+            return np.asarray(np.linalg.solve(self.system(k), right))
+        return self._real.solved(self._pitch * k, right)
+
     def loads(self, k: int) -> list[Complexes]:
         """Right sides of (M1) by kind of reading; transposed, readings of its unknowns."""
         wave, motions = np.exp(1j * self._pitch * k), self.motions(k)
@@ -169,6 +182,65 @@ class Harmonics:
             np.concatenate([part, motions.conj().T @ local.T])
             for part, local in zip(found, mean.local, strict=True)
         ]
+
+
+@dataclass(frozen=True)
+class _RealParts:
+    """S of a symmetric sector as a real matrix: constant + cos(angle) even + sin(angle) odd.
+
+    Attributes
+    ----------
+    turn : float
+        Polar angle of the left cut, along which x is in the frame of the matrices, rad.
+    phases : (m,) array
+        1, or i for unknowns that change their signs in the image about the cut.
+    """
+
+    constant: Floats
+    even: Floats
+    odd: Floats
+    components: int
+    turn: float
+    phases: Complexes
+
+    @classmethod
+    def of(cls, sector: CondensedSector, stiffness: tuple[Floats, ...]) -> _RealParts:
+        """Parts of the stiffness of the cuts by `turned_cuts`."""
+        assert sector.line is not None
+        (turn, signs), (left_left, left_right, _, right_right) = sector.line, stiffness
+        own, mixed = (
+            _along(_along(part, sector.components, -turn).T, sector.components, -turn).T
+            for part in (left_left + right_right, left_right)
+        )
+        signs = np.tile(signs, len(own) // signs.size)
+        same = signs[:, None] == signs
+        return cls(
+            np.where(same, own, 0.0),
+            np.where(same, mixed + mixed.T, 0.0),
+            np.where(same, 0.0, signs[:, None] * (mixed.T - mixed)),
+            sector.components,
+            turn,
+            np.where(signs > 0.0, 1.0, 1.0j),
+        )
+
+    def solved(self, angle: float, right: Complexes) -> Complexes:
+        """Solution for right sides (m, r) at a phase angle between neighbouring sectors."""
+        known = self.phases.conj()[:, None] * _along(right, self.components, -self.turn)
+        matrix = self.constant + np.cos(angle) * self.even + np.sin(angle) * self.odd
+        real, imaginary = np.split(
+            np.linalg.solve(matrix, np.hstack([known.real, known.imag])), 2, axis=1
+        )
+        found = self.phases[:, None] * (real + 1j * imaginary)
+        return _along(found, self.components, self.turn)
+
+
+def _along(values: NDArray[Any], components: int, turn: float) -> NDArray[Any]:
+    """Rows (m, r) by point and component, rotated counter-clockwise by an angle."""
+    found = values.reshape(-1, components, values.shape[1]).copy()
+    x, y = values.reshape(found.shape)[:, :2].transpose(1, 0, 2)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    found[:, 0], found[:, 1] = cosine * x - sine * y, sine * x + cosine * y
+    return found.reshape(values.shape)
 
 
 def close_ring(sector: CondensedSector, teeth: int) -> Floats:
@@ -183,7 +255,7 @@ def close_ring(sector: CondensedSector, teeth: int) -> Floats:
     for k in range(teeth // 2 + 1):
         weight = 1.0 if k == 0 or 2 * k == teeth else 2.0
         loads = ring.loads(k)
-        unknown = np.linalg.solve(ring.system(k), loads[0])
+        unknown = ring.solved(k, loads[0])
         waves = np.exp(1j * k * angles)[:, None, None]
         for part, read in zip(response, loads, strict=True):
             part += (weight / teeth) * np.real((read.conj().T @ unknown)[None] * waves)
@@ -218,7 +290,7 @@ def ring_displacements(
     for k in range(load.shape[1]):
         rigid = ring.motions(k)
         known = np.append(load[:, k], rigid.conj().T @ seen[:, k])
-        found = np.linalg.solve(ring.system(k), known)
+        found = ring.solved(k, known[:, None])[:, 0]
         waved[:, k], reactions[:, k] = found[: len(load)], rigid @ found[len(load) :]
     moved = np.fft.irfft(waved, n=teeth, axis=1).T
     next_cut = np.roll(moved, -1, axis=0).reshape(teeth, -1, sector.components).copy()
@@ -231,7 +303,7 @@ def uniform_response(sector: CondensedSector, teeth: int) -> Floats:
     """Response (r, p) of a ring under equal loads on all teeth: the sum over `close_ring`."""
     ring = Harmonics(sector, teeth)
     reads = ring.loads(0)
-    unknown = np.linalg.solve(ring.system(0), reads[0])
+    unknown = ring.solved(0, reads[0])
     return np.concatenate(
         [
             local + np.real(read.conj().T @ unknown)

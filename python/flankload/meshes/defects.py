@@ -34,6 +34,8 @@ COINCIDENCE_TOLERANCE = 1e-3
 #: Largest distance of a middle node from the middle of its edge, along the edge, in edge lengths;
 #: at 0.25 the element is inverted at its corner.
 MIDDLE_TOLERANCE = 0.15
+#: Direction of the line along which nodes are sorted: no simple ratio.
+ALONG = np.array([1.0, 0.6180339887498949])
 
 
 @dataclass(frozen=True)
@@ -133,15 +135,13 @@ def _mixed_orders(raw: RawMesh) -> Defect | None:
 
 
 def _double_nodes(raw: RawMesh) -> Defect | None:
-    from scipy.spatial import cKDTree
-
     lengths = np.concatenate(
         [edge_lengths(raw.nodes, kind, data).ravel() for kind, data in raw.cells]
     )
     reach = COINCIDENCE_TOLERANCE * float(np.min(lengths[lengths > 0], initial=np.inf))
     if not np.isfinite(reach):
         return Defect("elements with an area", "only elements that are shrunk to a point")
-    pairs = cKDTree(raw.nodes).query_pairs(reach, output_type="ndarray")
+    pairs = _near_pairs(raw.nodes, reach)
     if not len(pairs):
         return None
     count = np.unique(pairs[:, 1]).size
@@ -149,6 +149,27 @@ def _double_nodes(raw: RawMesh) -> Defect | None:
         "one node at a place (merge them in the mesher)",
         f"{count} nodes that coincide with others, the first at {_place(raw.nodes, pairs[0, 0])}",
     )
+
+
+def _near_pairs(nodes: Floats, reach: float) -> Numbers:
+    """Pairs (n, 2) of nodes that are at most `reach` apart, ascending.
+
+    Candidates are neighbours along a line that few nodes share a place on: faster than the import
+    of a search tree.
+    """
+    along = nodes @ ALONG
+    order = np.argsort(along, kind="stable")
+    found, ahead = [np.zeros((0, 2), dtype=np.int64)], 1
+    while ahead < order.size:
+        gaps = along[order[ahead:]] - along[order[:-ahead]]
+        close = np.flatnonzero(gaps <= np.linalg.norm(ALONG) * reach)
+        if not close.size:
+            break
+        pairs = np.sort(np.column_stack([order[close], order[close + ahead]]), axis=1)
+        apart = np.linalg.norm(nodes[pairs[:, 0]] - nodes[pairs[:, 1]], axis=1)
+        found.append(pairs[apart <= reach])
+        ahead += 1
+    return np.unique(np.concatenate(found), axis=0)
 
 
 def _double_elements(raw: RawMesh) -> Defect | None:

@@ -9,6 +9,7 @@ with a common middle plane.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,7 @@ from flankload.cost import Account
 from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.fronts.elimination import Elimination, PairStiffness
-from flankload.elasticity.fronts.mirror import images_of, reflection
+from flankload.elasticity.fronts.mirror import images_of, line_of, reflection
 from flankload.elasticity.fronts.problem import Problem
 
 if TYPE_CHECKING:
@@ -75,7 +76,11 @@ def condense_nodes(
         unknowns=section.unknowns,
         images=images,
     )
-    return condense_in_order(section, order, loads, turn=turn, account=account, recovery=recovery)
+    sector = condense_in_order(section, order, loads, turn=turn, account=account, recovery=recovery)
+    if not isinstance(mesh, SectorMesh) or turn is None:
+        return sector
+    line = line_of(mesh, section.cut_degree + 1, section.components, twisted=twisted)
+    return replace(sector, line=line)
 
 
 def condense_in_order(

@@ -73,3 +73,12 @@ def reflection(mesh: SectorMesh, functions: int, components: int, *, twisted: bo
     of_node = np.array([[cosine, sine, 0.0], [sine, -cosine, 0.0], [0.0, 0.0, sign]])
     signs = np.diag(sign ** np.arange(functions))
     return np.asarray(np.kron(signs, of_node[:components, :components]), dtype=float)
+
+
+def line_of(
+    mesh: SectorMesh, functions: int, components: int, *, twisted: bool
+) -> tuple[float, Floats]:
+    """Polar angle of the left cut of a symmetric sector, and signs as of `CondensedSector.line`."""
+    turn = float(np.arctan2(*mesh.nodes[mesh.left_nodes].sum(axis=0)[::-1]))
+    sign = -1.0 if twisted else 1.0
+    return turn, np.kron(sign ** np.arange(functions), np.array([1.0, -1.0, sign])[:components])

@@ -302,6 +302,6 @@ def _round_spring(axial: float, force: float, mixed: float, moment: float) -> Fl
 def _under_loads(sector: CondensedSector, ring: Harmonics, k: int) -> Complexes:
     """All readings of harmonic k under all loads, with a fixed bore."""
     loads = ring.loads(k)
-    found = np.linalg.solve(ring.system(k), loads[0])
+    found = ring.solved(k, loads[0])
     kinds = zip(sector.local, loads, strict=True)
     return np.concatenate([local + read.conj().T @ found for local, read in kinds])

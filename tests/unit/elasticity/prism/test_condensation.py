@@ -18,7 +18,7 @@ from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.fronts.mirror import images_of
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import Harmonics, close_ring, condense
 from flankload.elasticity.sector_row import open_row
 from tests.support.plain_prism import (
     full_prism_ring,
@@ -163,3 +163,20 @@ def test_every_inner_node_is_eliminated_once_and_fronts_stay_small() -> None:
     assert np.array_equal(np.argsort(position)[-kept.size :], kept)
     assert np.isin(fronts[-1].rest, kept).all()
     assert max(front.own.size for front in fronts) < 0.06 * own.size
+
+
+@pytest.mark.parametrize("body", [GEAR, INWARDS])
+@pytest.mark.parametrize("twist", [0.0, 0.04])
+def test_harmonics_of_a_symmetric_sector_are_real(body: Body, twist: float) -> None:
+    """Solutions of the real equations are those of the complex ones, for any right sides."""
+    mesh = body.mesh
+    assert mesh is not None
+    sector = _condensed(mesh, body.mode_range_mm, twist=twist)
+    assert sector.line is not None
+    ring = Harmonics(sector, body.teeth)
+    rng = np.random.default_rng(5)
+    size = len(sector.stiffness) // 2
+    right = rng.normal(size=(size, 3)) + 1j * rng.normal(size=(size, 3))
+    for k in (0, 1, 2, body.teeth // 2):
+        found, wanted = ring.solved(k, right), np.linalg.solve(ring.system(k), right)
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
