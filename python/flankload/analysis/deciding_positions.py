@@ -3,8 +3,8 @@
 Changes by another compliance, by other cells or slices vary slowly from one position to the next,
 except where a pair enters contact or lies on a corner. A few positions therefore show the largest
 changes and their mean: those with the most load on corners or beside corners, kinks and ends, with
-the largest pressure off corners, the largest line load, the largest and the smallest rotation and
-the least load of a pair, and some between.
+the largest pressure off corners, the largest line load, the largest and the smallest rotation, the
+least load of a pair, and some in the widest gaps between these.
 """
 
 from __future__ import annotations
@@ -37,6 +37,10 @@ def deciding_positions(found: Sweep) -> NDArray[np.int64]:
     peaks = np.where(on_corner(found.site_corner), 0.0, found.site_peak_N_per_mm).max(axis=1)
     largest = (peaks, largest_line_loads(found), rotation, -rotation, least)
     most = (values.argmax() for values in largest)
-    between = np.linspace(0, count, DECIDING, endpoint=False).astype(int)
-    wanted = dict.fromkeys(map(int, [*worst, *most, *between]))
-    return np.array(sorted(list(wanted)[:DECIDING]))
+    wanted = {*map(int, worst), *map(int, most)}
+    while len(wanted) < min(DECIDING, count):
+        there = np.array(sorted(wanted))
+        gaps = np.diff(there, append=there[0] + count)
+        widest = int(gaps.argmax())
+        wanted.add(int(there[widest] + gaps[widest] // 2) % count)
+    return np.array(sorted(wanted))

@@ -51,6 +51,9 @@ class Rule:
         The same for means, relative to the change of the mean.
     doubt_scatter : float
         Further deviation of means, relative to the mean absolute change.
+    shares : float
+        Doubt of load shares over that of rotations: shares are ratios of two flanks, which may err
+        in opposite directions.
     """
 
     part: float
@@ -58,6 +61,7 @@ class Rule:
     doubt_pressure: float
     doubt_overall: float
     doubt_scatter: float = 0.0
+    shares: float = 1.0
 
 
 #: Second order: with half as many cells, the remaining error is a third of the change.
@@ -83,10 +87,9 @@ SLICES = Rule(0.5, 0.5, 1.5, 0.5)
 #: Without the two highest modes along the profile or degrees along the axis. Line loads and
 #: pressures at an end converge with the second power of these numbers, so that from 3 to 5 degrees
 #: a half of the change remains; signs vary, and changes of two sources at one place may cancel.
-SERIES = Rule(0.0, 0.75, 0.75, 0.75)
+SERIES = Rule(0.0, 0.75, 0.75, 0.75, shares=2.0)
 #: Rotations and load shares converge like a geometric series, with the ratio of the last two steps;
-#: terms alternate in size, so that the next ratio may be four times as large. Shares are ratios of
-#: two flanks, which may err in opposite directions.
+#: terms alternate in size, so that the next ratio may be four times as large.
 NEXT_RATIO = 4.0
 #: Ending of the names of sweeps with two steps of a source.
 BEFORE = " before"
@@ -95,7 +98,7 @@ BEFORE = " before"
 LINE_LOADS = 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
-ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0)
+ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0, shares=2.0)
 #: Doubt of the peak to peak, relative to the changes at the largest and the smallest rotation.
 EXTREMES = 0.35
 #: A half-ellipse of pressure with its middle on the edge of two cells appears lower by 0.5 % with
@@ -169,7 +172,8 @@ def remaining_errors(
     if before is not None:
         turning = _of_series(rule, change, before.rotation_rad - other.rotation_rad)
         shares = [_shares(part) for part in (base, other, before)]
-        sharing = _of_series(rule, 2.0 * (shares[1] - shares[0]), shares[2] - shares[1])
+        sharing = _of_series(rule, shares[1] - shares[0], shares[2] - shares[1])
+    sharing = replace(sharing, doubt=rule.shares * sharing.doubt)
     errors = {
         "transmission_error": _at_each(turning, change, np.abs(rotation).max()),
         "load_share": _at_each(sharing, _shares(other) - _shares(base), 1.0),
