@@ -168,12 +168,11 @@ def remaining_errors(
     """
     unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
-    turning = sharing = rule
+    turning, sharing = rule, replace(rule, doubt=rule.shares * rule.doubt)
     if before is not None:
         turning = _of_series(rule, change, before.rotation_rad - other.rotation_rad)
         shares = [_shares(part) for part in (base, other, before)]
-        sharing = _of_series(rule, shares[1] - shares[0], shares[2] - shares[1])
-    sharing = replace(sharing, doubt=rule.shares * sharing.doubt)
+        sharing = _of_series(rule, rule.shares * (shares[1] - shares[0]), shares[2] - shares[1])
     errors = {
         "transmission_error": _at_each(turning, change, np.abs(rotation).max()),
         "load_share": _at_each(sharing, _shares(other) - _shares(base), 1.0),
