@@ -8,7 +8,7 @@ module flankload_mode_field
     private
 
     public :: places_type
-    public :: add_modes, add_modes_singly, add_tangential_modes
+    public :: add_modes, add_modes_singly, add_mode_slopes, add_tangential_modes
 
     !> Places of one body at which forces act: at pairs, or at zones with one unknown each.
     type :: places_type
@@ -188,6 +188,39 @@ contains
         call set_product(own, n, own, body%smooth(:, :, body%block(places%site(at(2)), &
             & places%site(at(1)))), places%values(:, at(2):), m, displaced(before + 1, 1))
     end subroutine displace
+
+    !> Add V' g Vᵀ of one body, the derivatives of the displacements by modes along a flank.
+    pure subroutine add_mode_slopes(body, places, slopes, matrix)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Places of the body, those of a flank adjacent
+        type(places_type), intent(in) :: places
+        !> Derivatives V' of the modes at the places, shape (n_modes, n)
+        real(wp), contiguous, intent(in) :: slopes(:, :)
+        !> Derivative at place i per unit normal force at place j [1/N], shape (all, all)
+        real(wp), intent(inout) :: matrix(:, :)
+
+        integer :: m, first, last, row, row_last
+        real(wp), allocatable :: displaced(:, :), part(:, :)
+
+        m = size(places%values, 1)
+        if (m == 0) return
+        allocate (displaced(m, size(places%of)), part(size(places%of), size(places%of)))
+        first = 1
+        do while (first <= size(places%of))
+            last = last_of_site(places%flank, first)
+            row = 1
+            do while (row <= size(places%of))
+                row_last = last_of_site(places%flank, row)
+                call displace(body, places, [row, first], last - first + 1, 0, m, displaced)
+                call set_product(row_last - row + 1, last - first + 1, m, slopes(:, row:), &
+                    & displaced, size(part, 1), part(row, first))
+                row = row_last + 1
+            end do
+            first = last + 1
+        end do
+        matrix(places%of, places%of) = matrix(places%of, places%of) + part
+    end subroutine add_mode_slopes
 
     !> Add V g_t Vᵀ of one body for forces along the profile, with the displacement opposite to the
     !> direction out of the material, Eq. (S4) without its near field: not symmetric.

@@ -15,7 +15,8 @@ module flankload_near_field
     private
 
     public :: image_type
-    public :: add_near_field, image_displacement, images_along, near_field_between, new_image
+    public :: add_near_field, image_displacement, image_tilt, images_along, near_field_between, &
+        & new_image
 
     !> Mirror images of a contact behind both ends of its flank.
     type :: image_type
@@ -170,6 +171,41 @@ contains
             end do
         end do
     end subroutine image_displacement
+
+    !> Compute the derivative along flank 1 of the displacement by the mirror images of a contact
+    !> under a unit force on it: the displaced point moves, the images stay.
+    pure subroutine image_tilt(images, half_width, tilt, by_half_width)
+        !> Mirror images of the contact behind the ends of both flanks
+        type(image_type), intent(in) :: images(:)
+        !> Half-width of the contact, which does not extend beyond a corner [mm]
+        real(wp), intent(in) :: half_width
+        !> Derivative of the displacement [1/N], and its derivative with respect to the half-width
+        !> [1/(N mm)]
+        real(wp), intent(out) :: tilt
+        real(wp), intent(out) :: by_half_width
+
+        integer :: k, end
+        real(wp) :: distance, mean, part
+
+        tilt = 0.0_wp
+        by_half_width = 0.0_wp
+        do k = 1, size(images)
+            do end = 1, 2
+                if (.not. images(k)%kernel(end) > 0.0_wp) cycle
+                distance = max(images(k)%distance(end), half_width)
+                part = -1.0_wp/distance   ! Eq. (W1) with d = d'
+                if (images(k)%length > 0.0_wp) then
+                    call own_potential(images(k)%length, 2.0_wp*distance, mean, part)
+                    part = part*images(k)%length
+                end if
+                part = 0.5_wp*images(k)%sense(end)*images(k)%kernel(end)*part
+                tilt = tilt + part
+                ! in slices, this is the limit for lengths that exceed the half-width
+                if (half_width > images(k)%distance(end)) by_half_width = by_half_width &
+                    & - part/half_width
+            end do
+        end do
+    end subroutine image_tilt
 
     !> Return the distance of a point from an end of the range of the modes, with the sign of arc
     !> length [mm].

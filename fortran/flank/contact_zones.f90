@@ -38,6 +38,8 @@ module flankload_contact_zones
         !> y does [rad/mm], and as a unit rotation about its own axis, shape (3, 2)
         real(wp) :: closing(3, 2) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], &
             & [3, 2])
+        !> Relative change of the lever along flank 1 [1/mm], 0 for involutes
+        real(wp) :: lever_change = 0.0_wp
         !> Length of flank 1 [mm]: reference for small lengths
         real(wp) :: flank_length = 0.0_wp
         !> Ends of its slice along the face width [mm]; both 0 in plane problems

@@ -3,7 +3,7 @@
 module flankload_body_places
     use flankload_kinds, only: wp
     use flankload_rounding, only: tie
-    use flankload_compliance_field, only: mode_values
+    use flankload_compliance_field, only: compliance_type, mode_values
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: member_of, zone_type
     use flankload_lumped_hertz, only: usual_half_width
@@ -15,7 +15,7 @@ module flankload_body_places
     implicit none
     private
 
-    public :: places_at_pairs, places_at_zones
+    public :: mode_slopes, places_at_pairs, places_at_zones
 
 contains
 
@@ -127,14 +127,78 @@ contains
         type(places_type), intent(inout) :: places
 
         if (.not. any(places%edges(2, :) > places%edges(1, :))) deallocate (places%edges)
-        if (allocated(body%compliance%nodes)) then
-            allocate (places%values(0, size(places%of)))
-        else if (allocated(places%edges)) then
-            places%values = modes_of(body%compliance, places%edges, places%s, places%turn)
-        else
-            places%values = transpose(mode_values(body%compliance, places%s, places%turn))
-        end if
+        call set_modes(body%compliance, places)
     end subroutine set_values
+
+    !> Compute the modes of a body at the arc lengths of its places.
+    pure subroutine set_modes(body, places)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> Its places
+        type(places_type), intent(inout) :: places
+
+        if (allocated(body%nodes)) then
+            if (.not. allocated(places%values)) allocate (places%values(0, size(places%of)))
+        else if (allocated(places%edges)) then
+            places%values = modes_of(body, places%edges, places%s, places%turn)
+        else
+            places%values = transpose(mode_values(body, places%s, places%turn))
+        end if
+    end subroutine set_modes
+
+    !> Return the derivatives of the modes of a body at its places along flank 1 [1/mm]: none beyond
+    !> their range, in a root fillet or on a tip, on which forces keep their direction.
+    pure function mode_slopes(b, body, zones, places) result(slopes)
+        !> Number of the body, and its compliance
+        integer, intent(in) :: b
+        type(compliance_type), intent(in) :: body
+        !> The zones, and the places of the body at them
+        type(zone_type), intent(in) :: zones(:)
+        type(places_type), intent(in) :: places
+        !> Derivatives, shape (n_modes, n)
+        real(wp) :: slopes(size(places%values, 1), size(places%of))
+
+        !> Step along the flank, relative to the range of the modes: rounding error and truncation
+        !> error of the differences are then both below 1e-7 of the derivative.
+        real(wp), parameter :: little = 1.0e-4_wp
+        integer :: i
+        real(wp) :: step, along(size(places%of)), low(size(places%of))
+        type(places_type) :: moved
+
+        if (size(slopes) == 0) return
+        step = little*(body%s_high - body%s_low)
+        moved = places
+        moved%s = places%s - step
+        if (.not. body%closed) moved%s = within(moved%s)
+        low = moved%s
+        call set_modes(body, moved)
+        slopes = -moved%values
+        moved%s = places%s + step
+        if (.not. body%closed) moved%s = within(moved%s)
+        call set_modes(body, moved)
+        slopes = slopes + moved%values
+        along = 1.0_wp
+        do i = 1, size(along)
+            associate (zone => zones(places%of(i)), nearest => zones(places%of(i))%nearest)
+                ! both points lie on one circle: dr = (P·t) ds/r
+                if (member_of(zone, b) == 2) along(i) = dot_product(nearest%point_1, &
+                    & nearest%tangent_1)/dot_product(nearest%point_2, nearest%tangent_2)
+            end associate
+            if (moved%s(i) > low(i)) slopes(:, i) = slopes(:, i)*along(i)/(moved%s(i) - low(i))
+        end do
+
+    contains
+
+        !> Return an arc length within the range of the modes, which includes a place at its end.
+        elemental function within(s) result(inside)
+            !> Arc length [mm]
+            real(wp), intent(in) :: s
+            real(wp) :: inside
+
+            inside = min(body%s_high, max(body%s_low, s))
+        end function within
+
+    end function mode_slopes
 
     !> Return the angle by which the force at a sharp tip of a body is turned from the normal of its
     !> flank towards increasing arc length [rad]: halfway to the normal of the other flank. Away

@@ -12,7 +12,7 @@ module flankload_lumped_contacts
     use flankload_lumped_hertz, only: hertz_half_width, least_force, least_half_width, &
         & least_load_share
     use flankload_lumped_pass, only: lumped_system
-    use flankload_lumped_place, only: near_field_of, reach_of, slide_place
+    use flankload_lumped_place, only: near_field_of, place_type, reach_of, slide_place
     use flankload_position_zones, only: position_type
     use flankload_zone_influence, only: half_width_of
     implicit none
@@ -79,9 +79,7 @@ contains
                 place%force = forces(z)
                 place%is_narrow = .false.
                 place%reach_slope = power*place%reach/place%force
-                call near_field_of(position%kernel(z), &
-                    & least_half_width(zone%flank_length), position%most_half_width(zone%mesh), &
-                    & position%images(:, z), place)
+                call near_field_at(position, z, place)
                 pairs%cell_1(k) = cell_of(place%reach, zone%flank_length)
                 pairs%cell_2(k) = pairs%cell_1(k)
             end associate
@@ -131,12 +129,7 @@ contains
                     place%reach = hertz_half_width(place%force, zone%curvature, &
                         & position%kernel(z), zone%flank_length)
                 end if
-                call reach_of(position%facing(site), zone, position%kernel(z)*place%force, &
-                    & place%reach, place%reach_slope)
-                place%reach_slope = position%kernel(z)*place%reach_slope
-                call near_field_of(position%kernel(z), &
-                    & least_half_width(zone%flank_length), position%most_half_width(zone%mesh), &
-                    & position%images(:, z), place)
+                call reach_at(position, z, place)
                 call append_place(position, z, place%reach, pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses)
@@ -147,6 +140,7 @@ contains
                 place%closing = pairs%closing(:, :, k)
                 place%lever_slope = 0.0_wp
                 place%torque_lever_slope = 0.0_wp
+                call near_field_at(position, z, place)
                 if (has_friction(meshes)) then
                     call slide_place(meshes(zone%mesh)%friction, zone%side*position%speeds, &
                         & position%facing(site), zone, pairs%normal(:, k), place)
@@ -180,6 +174,36 @@ contains
             end associate
         end do
     end function widest_contacts
+
+    !> Compute the half-widths of a contact under its force.
+    pure subroutine reach_at(position, z, place)
+        !> Position, and index of the zone
+        type(position_type), intent(in) :: position
+        integer, intent(in) :: z
+        !> Lumped contact; its half-widths are initial values
+        type(place_type), intent(inout) :: place
+
+        associate (zone => position%zones(z))
+            call reach_of(position%facing(zone%site), zone, position%kernel(z)*place%force, &
+                & place%reach, place%reach_slope)
+            place%reach_slope = position%kernel(z)*place%reach_slope
+        end associate
+    end subroutine reach_at
+
+    !> Compute the near field of a contact.
+    pure subroutine near_field_at(position, z, place)
+        !> Position, and index of the zone
+        type(position_type), intent(in) :: position
+        integer, intent(in) :: z
+        !> Lumped contact, whose force and half-widths are known
+        type(place_type), intent(inout) :: place
+
+        associate (zone => position%zones(z))
+            call near_field_of(position%kernel(z), least_half_width(zone%flank_length), &
+                & position%most_half_width(zone%mesh), position%images(:, z), &
+                & zone%lever_change, place)
+        end associate
+    end subroutine near_field_at
 
     !> Append the pair of a contact.
     pure subroutine append_place(position, z, reach, pairs, found)
@@ -233,11 +257,14 @@ contains
         !> Step of the force, relative to the force: rounding error and truncation error are then
         !> both about 1e-5 of the derivative.
         real(wp), parameter :: little = 1.0e-5_wp
-        integer :: k
+        !> Step for central differences of derivatives, known to 1e-8 of themselves
+        real(wp), parameter :: beyond = 1.0e-3_wp
+        integer :: k, side
         integer, allocatable :: loaded(:)
         real(wp) :: more
         logical :: found
         type(pairs_type) :: beside
+        type(place_type) :: changed(2)
 
         loaded = pack(system%of, forces(system%of) > 0.0_wp)
         call reserve_pairs(beside, size(loaded))
@@ -245,6 +272,17 @@ contains
             associate (place => system%places(loaded(k)), zone => position%zones(loaded(k)))
                 ! the normal of a smaller contact turns by rounding errors only
                 if (sum(place%reach) < 2.0_wp*least_half_width(zone%flank_length)) cycle
+                more = beyond*place%force
+                do side = 1, 2
+                    changed(side) = place
+                    changed(side)%force = place%force + (2*side - 3)*more
+                    changed(side)%reach = place%reach + (2*side - 3)*more*place%reach_slope
+                    call reach_at(position, loaded(k), changed(side))
+                    call near_field_at(position, loaded(k), changed(side))
+                end do
+                place%moment(2) = 0.5_wp*(changed(2)%moment(1) - changed(1)%moment(1))/more
+                place%give(2) = 0.5_wp*(changed(2)%give(1) - changed(1)%give(1))/more
+                place%tilt(2) = 0.5_wp*(changed(2)%tilt(1) - changed(1)%tilt(1))/more
                 more = little*place%force
                 call append_place(position, loaded(k), &
                     & place%reach + more*place%reach_slope, beside, found)

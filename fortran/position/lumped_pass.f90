@@ -36,6 +36,8 @@ module flankload_lumped_pass
         !> Normal displacement at contact i per unit normal force at j, without the near field of i
         !> itself [mm/N], shape (n, n)
         real(wp), allocatable :: coupling(:, :)
+        !> Derivative of that displacement along flank 1 [1/N], shape (n, n)
+        real(wp), allocatable :: slopes(:, :)
         !> The same per unit force along flank 1 at j [mm/N], shape (n, n); (n, 0) without friction
         real(wp), allocatable :: tangential(:, :)
     end type lumped_system
@@ -71,6 +73,7 @@ contains
         system%of = pack([(k, k=1, size(included))], included)
         n = size(system%of)
         system%coupling = position%coupling(system%of, system%of)
+        system%slopes = position%slopes(system%of, system%of)
         if (allocated(system%tangential)) deallocate (system%tangential)
         allocate (system%tangential(n, merge(n, 0, has_friction(meshes))))
         call add_other_influences(bodies, meshes, position%zones(system%of), system%coupling, &
@@ -102,7 +105,7 @@ contains
         n = size(system%of)
         slides = size(system%tangential, 2) > 0
         last = forces(system%of)
-        call linearise(meshes, position, system, state%motion, secant &
+        call linearise(meshes, position, system, last, state%motion, secant &
             & .or. .not. last > 0.0_wp .or. system%places(system%of)%is_narrow, linear)
         call solve_contact_problem(linear%matrix, linear%gaps, linear%levers, linear%rows, &
             & linear%loads, merge(general_matrix, symmetric_matrix, slides), method_single, &
@@ -161,7 +164,7 @@ contains
         type(equations_type) :: linear
 
         found = forces(system%of)
-        call linearise(meshes, position, system, motion, .not. found > 0.0_wp &
+        call linearise(meshes, position, system, found, motion, .not. found > 0.0_wp &
             & .or. system%places(system%of)%is_narrow, linear)
         call keep_places(linear, found, motion, pivots, solved)
         if (solved) forces(system%of) = found
@@ -169,12 +172,14 @@ contains
 
     !> Linearize the equations of the contacts. Levers are negative on coast flanks, which separate
     !> if body 1 turns further.
-    pure subroutine linearise(meshes, position, system, motion, through_origin, linear)
+    pure subroutine linearise(meshes, position, system, forces, motion, through_origin, linear)
         !> The meshes, and the position
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts
         type(lumped_system), intent(in) :: system
+        !> Last forces [N], shape (n)
+        real(wp), intent(in) :: forces(:)
         !> Last motions, shape (motions)
         real(wp), intent(in) :: motion(:)
         !> True for secants through the origin instead of tangents, shape (n)
@@ -215,9 +220,63 @@ contains
             end do
             linear%gaps = places%lever*position%gap(system%of) + beside
         end associate
+        call add_moments(system, forces, through_origin, linear)
         if (size(system%tangential, 2) > 0) call add_friction(position, system, through_origin, &
             & linear)
     end subroutine linearise
+
+    !> Add the displacements due to the moments of the pressures about the points of least gap, Eq.
+    !> (L3) of docs/theory/lumped_contact.md.
+    pure subroutine add_moments(system, forces, through_origin, linear)
+        !> Lumped contacts
+        type(lumped_system), intent(in) :: system
+        !> Last forces [N], shape (n)
+        real(wp), intent(in) :: forces(:)
+        !> True for secants through the origin instead of tangents, without a moment of an untilted
+        !> contact, shape (n)
+        logical, intent(in) :: through_origin(:)
+        !> Equations without moments
+        type(equations_type), intent(inout) :: linear
+
+        integer :: k, n
+        real(wp) :: nearer
+        real(wp), dimension(size(forces)) :: own, tilt, give, give_slope, moment, arm
+        real(wp), dimension(size(forces), size(forces)) :: slopes, added
+
+        n = size(forces)
+        associate (places => system%places(system%of))
+            call straighten(places%force, places%tilt(0), places%tilt(1), through_origin, own, tilt)
+            call straighten(places%force, places%give(0), places%give(1), through_origin, &
+                & give_slope, give)
+            slopes = system%slopes
+            do k = 1, n
+                slopes(k, k) = slopes(k, k) + own(k)
+            end do
+            tilt = tilt + matmul(slopes, forces)
+            ! a contact without load moves to its nearer end at most
+            do k = 1, n
+                if (.not. through_origin(k)) cycle
+                nearer = minval(places(k)%reach)
+                if (give_slope(k)*abs(tilt(k)) > nearer) give_slope(k) = nearer/abs(tilt(k))
+            end do
+            give = give + give_slope*forces
+            moment = merge(0.0_wp, places%moment(0), through_origin) - give*tilt
+            arm = merge(0.0_wp, places%moment(1), through_origin) - give_slope*tilt
+            do k = 1, n
+                added(:, k) = arm*slopes(:, k)
+            end do
+            added = added + transpose(added) &
+                & - matmul(transpose(slopes), spread(give, 2, n)*slopes)
+            do k = 1, n
+                if (through_origin(k)) cycle
+                added(k, k) = added(k, k) + (places(k)%moment(2) - 0.5_wp*places(k)%give(2) &
+                    & *tilt(k))*tilt(k) + moment(k)*places(k)%tilt(2)
+            end do
+        end associate
+        linear%matrix = linear%matrix + added
+        linear%gaps = linear%gaps + (arm + 0.5_wp*give_slope*tilt)*tilt &
+            & + matmul(moment, slopes) - matmul(added, forces)
+    end subroutine add_moments
 
     !> Solve for the contacts that carry load, drop those with tensile forces until none is left,
     !> and add those whose gaps would close, until there are neither. The solution is unique, since

@@ -4,14 +4,14 @@ module flankload_lumped_place
     use flankload_kinds, only: wp
     use flankload_circle_pair, only: facing_type, guessed_s_2, pair_type, pair_on_circle
     use flankload_contact_zones, only: zone_type
-    use flankload_near_field, only: image_displacement, image_type
+    use flankload_near_field, only: image_displacement, image_tilt, image_type
     use flankload_friction, only: friction_type, coefficient_at, half_turn_between, mean_sign, &
         & slide_at
     implicit none
     private
 
     public :: place_type
-    public :: reach_of, near_field_of, slide_place
+    public :: near_field_of, reach_of, slide_place
 
     !> Lumped contact under a force.
     type :: place_type
@@ -23,6 +23,10 @@ module flankload_lumped_place
         !> Approach of both bodies by the near field [mm], and its derivative with respect to the
         !> force [mm/N]
         real(wp) :: approach = 0.0_wp, approach_slope = 0.0_wp
+        !> Moment of the pressure about the point of least gap between flanks without tilt [N mm],
+        !> its decrease per unit tilt [N mm], and the tilt by the near field itself: values, first
+        !> and second derivatives with respect to the force
+        real(wp), dimension(0:2) :: moment = 0.0_wp, give = 0.0_wp, tilt = 0.0_wp
         !> Levers of the normal force in the row of the pair, and in the torque row without friction
         !> [mm], and their derivatives with respect to the force [mm/N]
         real(wp) :: lever = 0.0_wp, lever_slope = 0.0_wp
@@ -120,8 +124,10 @@ contains
     end subroutine reach_of
 
     !> Compute the approach by the near field, F [c (1/2 + ln(2/h)) + w], with the mean half-width h
-    !> and w from the mirror images behind free corners.
-    pure subroutine near_field_of(kernel, least_half_width, most_half_width, images, place)
+    !> and w from the mirror images behind free corners, and the moment of the pressure. The near
+    !> field tilts flanks by the images of the contact, and as its lever changes along them.
+    pure subroutine near_field_of(kernel, least_half_width, most_half_width, images, lever_change, &
+            & place)
         !> Sum c of both bodies [mm/N]
         real(wp), intent(in) :: kernel
         !> Half-widths below and above which the near field is that of this half-width [mm]
@@ -129,10 +135,12 @@ contains
         real(wp), intent(in) :: most_half_width
         !> Mirror images of the contact, shape (2)
         type(image_type), intent(in) :: images(:)
+        !> Relative change of the lever along flank 1 [1/mm]
+        real(wp), intent(in) :: lever_change
         !> Lumped contact, whose force and half-widths are known
         type(place_type), intent(inout) :: place
 
-        real(wp) :: half_width, reach(2), image, by_reach(2)
+        real(wp) :: half_width, reach(2), image, by_reach(2), by_width
 
         reach = place%reach
         half_width = 0.5_wp*sum(reach)
@@ -146,7 +154,46 @@ contains
                 & - kernel*place%force*0.5_wp*sum(place%reach_slope)/half_width &
                 & + place%force*sum(by_reach*place%reach_slope)
         end if
+        call image_tilt(images, max(0.5_wp*sum(reach), least_half_width), image, by_width)
+        place%tilt = place%force*image*[1.0_wp, 0.0_wp, 0.0_wp]
+        place%tilt(1) = image + place%force*by_width*0.5_wp*sum(place%reach_slope)
+        place%tilt(2) = bend_of(place%force, place%tilt(0), place%tilt(1))
+        place%tilt = place%tilt - lever_change*[place%approach, place%approach_slope, 0.0_wp]
+        if (kernel > 0.0_wp) call moment_of(kernel, place)
     end subroutine near_field_of
+
+    !> Compute the moment of the pressure, Eq. (L2) of docs/theory/lumped_contact.md.
+    pure subroutine moment_of(kernel, place)
+        !> Sum c of both bodies [mm/N], above 0
+        real(wp), intent(in) :: kernel
+        !> Lumped contact, whose force and half-widths are known
+        type(place_type), intent(inout) :: place
+
+        real(wp), parameter :: part = 0.375_wp
+        real(wp) :: bend(2)
+
+        associate (r => place%reach, slope => place%reach_slope, force => place%force)
+            bend = bend_of(force, r, slope)
+            place%moment = part*[force*(r(2) - r(1)), r(2) - r(1) + force*(slope(2) - slope(1)), &
+                & 2.0_wp*(slope(2) - slope(1)) + force*(bend(2) - bend(1))]
+            place%give = [sum(r**2) + r(1)*r(2), 2.0_wp*sum(r*slope) + sum(r*slope([2, 1])), &
+                & 2.0_wp*(sum(slope**2 + r*bend) + slope(1)*slope(2)) + sum(r*bend([2, 1]))] &
+                & /(6.0_wp*kernel)
+        end associate
+    end subroutine moment_of
+
+    !> Return the second derivative of a quantity that grows with a power of the force.
+    elemental function bend_of(force, value, slope) result(bend)
+        !> Force [N]
+        real(wp), intent(in) :: force
+        !> The quantity, and its derivative
+        real(wp), intent(in) :: value
+        real(wp), intent(in) :: slope
+        real(wp) :: bend
+
+        bend = 0.0_wp
+        if (abs(value) > 0.0_wp) bend = slope*(slope/value - 1.0_wp/force)
+    end function bend_of
 
     !> Compute the tangential force mu sigma F of a contact, with sigma the mean sign of the sliding
     !> velocity over the contact.

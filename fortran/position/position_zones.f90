@@ -5,15 +5,16 @@ module flankload_position_zones
     use flankload_status, only: code_no_zone, code_too_many_zones, code_circle_misses, &
         & code_only_ends
     use flankload_error, only: error_type, fatal_error
-    use flankload_flank_curve, only: curve_length, new_frame
+    use flankload_flank_curve, only: flank_curve_type, curve_length, curve_point, new_frame
     use flankload_slice_field, only: mean_width, slice_of
     use flankload_circle_pair, only: facing_type, flank_type
     use flankload_coarse_gap, only: coarse_gap
+    use flankload_compliance_field, only: compliance_type
     use flankload_contact_pairs, only: closing_of
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_mesh, only: body_type, configuration_type, mesh_type, motion_type, rotation
     use flankload_motion_rows, only: closed_by_displacements, zone_rates
-    use flankload_polar_geometry, only: turned
+    use flankload_polar_geometry, only: cross, turned
     use flankload_near_field, only: image_type
     use flankload_gap_shift, only: has_shift, shift_zones, shift_angle
     implicit none
@@ -53,6 +54,9 @@ module flankload_position_zones
         !> That compliance without near fields, which in three dimensions depend on the torque
         !> [mm/N], shape (zones, zones)
         real(wp), allocatable :: smooth(:, :)
+        !> Tilt of the flanks at i per unit force at j by that displacement, along flank 1 and
+        !> relative to the rotation that closes the gap [1/N], shape (zones, zones)
+        real(wp), allocatable :: slopes(:, :)
         !> Sum c of both bodies, the factor of the logarithm [mm/N], shape (zones)
         real(wp), allocatable :: kernel(:)
         !> Largest half-width of a contact for estimates of the forces [mm], shape (zones)
@@ -110,7 +114,7 @@ contains
         !> Set if no flanks meet, or a minimum of the gap could not be computed exactly
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: m, first
+        integer :: m, z, first
         real(wp) :: unseen
         logical, allocatable :: faces(:)
         type(zone_type), allocatable :: zones(:), found(:)
@@ -141,6 +145,12 @@ contains
         position%zones = pack(zones, .not. zones%left_out)
         call shift_zones(position%facing, bodies, position%zones)
         call set_closing(position%facing, position%zones)
+        do z = 1, size(position%zones)
+            associate (zone => position%zones(z))
+                zone%lever_change = lever_change(bodies(zone%body(1))%compliance, &
+                    & position%facing(zone%site)%flank_1%curve, zone)
+            end associate
+        end do
         position%rates = zone_rates(motions, meshes, position%zones)
         position%gap = gaps_without_load(bodies, meshes, position, position%zones)
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
@@ -384,6 +394,26 @@ contains
             end associate
         end do
     end subroutine set_closing
+
+    !> Return the relative change of the lever of a zone along flank 1 [1/mm]. At a corner and on a
+    !> tip, forces keep their direction.
+    pure function lever_change(body, curve, zone) result(change)
+        !> Compliance of body 1, and the curve of its flank
+        type(compliance_type), intent(in) :: body
+        type(flank_curve_type), intent(in) :: curve
+        !> The zone
+        type(zone_type), intent(in) :: zone
+        real(wp) :: change
+
+        real(wp) :: point(2), tangent(2), curvature
+
+        change = 0.0_wp
+        if (zone%corner /= 0) return
+        if (body%s_tip > body%s_high .and. zone%nearest%s_1 >= body%s_high) return
+        call curve_point(curve, zone%nearest%s_1, point, tangent, curvature)
+        ! the lever is P·t, and t turns by the curvature
+        change = (1.0_wp - curvature*cross(tangent, point))/dot_product(point, tangent)
+    end function lever_change
 
     !> Return the number of a body's flank at a site: the slices of a flank pair are consecutive
     !> sites.

@@ -4,7 +4,7 @@
 !> slices.
 module flankload_zone_influence
     use flankload_kinds, only: wp
-    use flankload_body_places, only: places_at_zones
+    use flankload_body_places, only: mode_slopes, places_at_zones
     use flankload_cell_field, only: mirror
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_pairs, only: pairs_type
@@ -14,7 +14,7 @@ module flankload_zone_influence
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, usual_half_width
     use flankload_lumped_place, only: reach_of
     use flankload_mesh, only: body_type, has_friction, mesh_type
-    use flankload_mode_field, only: add_modes, places_type
+    use flankload_mode_field, only: add_mode_slopes, add_modes, places_type
     use flankload_near_field, only: image_displacement, image_type, near_field_between, new_image
     use flankload_polar_geometry, only: part_in_section
     use flankload_position_zones, only: position_type
@@ -45,7 +45,8 @@ contains
 
         n = size(position%zones)
         call set_lengths(meshes, position)
-        allocate (position%smooth(n, n), alone(2, n), kernel(2, n), source=0.0_wp)
+        allocate (position%smooth(n, n), position%slopes(n, n), alone(2, n), kernel(2, n), &
+            & source=0.0_wp)
         allocate (position%images(2, n))
         do b = 1, size(bodies)
             places(b) = places_at_zones(b, bodies(b), meshes, position%zones)
@@ -57,6 +58,8 @@ contains
             & bodies, meshes, position%zones, none, places, position%smooth)
         call mirror(position%smooth)
         position%coupling = position%smooth
+        position%slopes = position%slopes &
+            & - spread(position%zones%lever_change, 2, n)*position%smooth
         allocate (position%most_half_width(size(meshes)), source=huge(1.0_wp))
         do m = 1, size(meshes)
             range = zones_of(m, position%zones)
@@ -123,6 +126,7 @@ contains
                     & + table_remainder(body, own%site, own%s)
             else
                 call add_modes(bodies, places, size(zones), position%smooth)
+                call add_mode_slopes(body, own, mode_slopes(b, body, zones, own), position%slopes)
             end if
             do i = 1, size(own%of)
                 z = own%of(i)

@@ -531,7 +531,8 @@ contains
             end do
         end do
         deallocate (bodies(1)%shaft, bodies(2)%shaft)
-        deallocate (position%images, position%smooth, position%part, position%most_half_width)
+        deallocate (position%images, position%smooth, position%slopes, position%part, &
+            & position%most_half_width)
         call couple_zones(bodies, meshes, position)
         call expect(all(abs(position%smooth) <= 0.0_wp), 'no shafts')
     end subroutine test_shafts_by_hand

@@ -58,7 +58,7 @@ def test_the_face_load_factor_of_an_aligned_pair_is_near_one() -> None:
     assert found.face_load_factor == pytest.approx(1.05, abs=0.01)
     largest = (load.max(axis=1) / load.mean(axis=1)).max()
     assert found.line_load_factor == pytest.approx(largest, rel=SOLVER)
-    assert 1.47 < found.line_load_factor < 1.50
+    assert 1.48 < found.line_load_factor < 1.52
     for name in ("face_load_factor", "line_load_factor"):
         assert found.summary[name] == getattr(found, name)
 

@@ -27,17 +27,17 @@ from tests.support.tolerances import SOLVER
 #: Finer than any default, so that the cells' own error does not count.
 FINE = Grid(24.0, 72.0)
 #: Largest errors by lumping off corners, roundings and kinks (rotation, share of load, pressure)
-#: and, of the rotation, on them. Measured: 0.023 %, 0.03 points, 0.29 %, 0.36 % on the FZG pair;
-#: 0.27 %, 0.09 points, 1.5 %, 0.75 % on the ring, whose contacts are three times as wide for
+#: and, of the rotation, on them. Measured: 0.027 %, 0.03 points, 0.29 %, 0.10 % on the FZG pair;
+#: 0.063 %, 0.06 points, 0.83 %, 0.51 % on the ring, whose contacts are three times as wide for
 #: their flanks; 0.003 % on the cam.
 LIMITS: dict[str, tuple[float, float, float, float]] = {
-    "external_gear": (3e-4, 4e-4, 3.5e-3, 5e-3),
-    "external_gear_compliance": (3e-4, 4e-4, 3.5e-3, 5e-3),
-    "external_gear_friction": (8e-4, 4e-4, 3.5e-3, 5e-3),
-    "external_gear_mesh": (3e-4, 4e-4, 3.5e-3, 5e-3),
-    "external_gear_mesh_profile": (3e-4, 4e-4, 3.5e-3, 5e-3),
-    "internal_gear": (3.4e-3, 1.2e-3, 2e-2, 1e-2),
-    "toothed_sector": (3e-4, 4e-4, 3.5e-3, 5e-3),
+    "external_gear": (3e-4, 4e-4, 3.5e-3, 1.5e-3),
+    "external_gear_compliance": (3e-4, 4e-4, 3.5e-3, 1.5e-3),
+    "external_gear_friction": (8e-4, 4e-4, 3.5e-3, 2e-3),
+    "external_gear_mesh": (3e-4, 4e-4, 3.5e-3, 1.5e-3),
+    "external_gear_mesh_profile": (3e-4, 4e-4, 3.5e-3, 1.5e-3),
+    "internal_gear": (8e-4, 8e-4, 1e-2, 7e-3),
+    "toothed_sector": (3e-4, 4e-4, 3.5e-3, 1.5e-3),
     "cam": (1e-4, 1e-12, 3.5e-3, 1e-4),
 }
 #: Differences' own error: second order in the step, rounding of the rotation over the step.
@@ -205,8 +205,8 @@ def test_forces_converge_in_few_passes_without_columns(torque: float) -> None:
     assert not counted["influence_columns"].any()
     assert not counted["influence_columns_tangential"].any()
     assert not counted["contact_passes"].any()
-    # estimate, two to five passes, the last one with all derivatives
-    assert 4 <= counted["lumped_solutions"].min() <= counted["lumped_solutions"].max() <= 7
+    # estimate, two to six passes, the last one with all derivatives
+    assert 4 <= counted["lumped_solutions"].min() <= counted["lumped_solutions"].max() <= 8
     assert found.certificate[:, 0].max() < 1e-14
     scene, (pair, _) = scene_of("internal_gear"), built("internal_gear", None)
     moment = torque * 1000 * scene.torques_Nm[0]

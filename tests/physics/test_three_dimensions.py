@@ -480,7 +480,7 @@ def test_lumped_error_is_that_beside_cells(tips: str) -> None:
     error = found.estimate["by_source"]["lumped"]
     beside = deviation(found.rotation_rad, cells.rotation_rad)
     # graded slices of the cells have an error of their own
-    assert 0.5 * beside < error["transmission_error"] < 3.0 * beside
+    assert 0.5 * beside < error["transmission_error"] < 4.0 * beside
     shares = np.abs(found.load_share - cells.load_share).max()
     assert 0.5 * shares < error["load_share"] < 3.0 * shares
 
