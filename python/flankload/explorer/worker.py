@@ -207,8 +207,10 @@ class Worker:
         if not self.has_elements or self._newest is not request:
             return
         progress = self.watched(request)
-        self.reaching = frozenset(self._reaching(request.values, progress))
-        self._tell(Answer(request, None))
+        reaching = frozenset(self._reaching(request.values, progress))
+        if reaching != self.reaching:
+            self.reaching = reaching
+            self._tell(Answer(request, None))
         scene = self._coarse({key.path: key.value for key in self._shown} | dict(request.values))
         paths = [key.path for key in self._shown if not key.whole]
         found = sensitivity(scene, paths, self.parts, first_order=True, progress=progress)
