@@ -49,9 +49,8 @@ contains
                 high = scan%radius_2(at + 1) - pair%radius
                 if (low*high > 0.0_wp .and. min(abs(low), abs(high)) > rounding*pair%radius) cycle
                 associate (ends => facing%flank_2%s(at:at + 1))
-                    pair%s_2 = ends(1)
-                    if (abs(low - high) > 0.0_wp) pair%s_2 = ends(1) &
-                        & + low/(low - high)*(ends(2) - ends(1))
+                    ! started where the chord meets the circle, friction at corners scatters
+                    pair%s_2 = 0.5_wp*(ends(1) + ends(2))
                     call complete_pair(facing, ends, pair, found)
                 end associate
                 if (found) return
