@@ -726,7 +726,7 @@ _PYTHON = (
     *_in(
         "pairing/expansion.py",
         "physics/test_warm_helical_pair.py",
-        ("axial.twist_rad_per_mm / larger", "axial.twist_rad_per_mm"),
+        ("/ (1.0 + axial_strain)", "* (1.0 + axial_strain)"),
         ("(slices.z_mm - np.mean(shape.range_mm))", "slices.z_mm"),
     ),
     *_in(
@@ -735,7 +735,7 @@ _PYTHON = (
         ("bases[code // k**2])", "bases[code % k])"),
         ("(a, slope_b), (slope_a, b)", "(slope_a, b), (a, slope_b)"),
         ("return share_middle([basis.range_mm for basis in self._bases])", "return True"),
-        ("range(len(ranges) - 1, -1, -1)", "range(len(ranges))"),
+        ("((z - high) / half, (low - z) / half)", "((z - low) / half, (low - z) / half)"),
     ),
     *_in(
         "bodies/involute/region_mesh.py",
