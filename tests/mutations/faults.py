@@ -177,7 +177,7 @@ _FORTRAN = (
     *_in(
         "mode_field.f90",
         "core",
-        ("if (any(at == 0)) then", "if (all(at == 0)) then"),
+        ("before = before + size(own, 1)", "before = before + 0*size(own, 1)"),
         (
             "body%block(places%site(row), places%site(first))",
             "body%block(places%site(first), places%site(row))",
