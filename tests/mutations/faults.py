@@ -187,8 +187,8 @@ _FORTRAN = (
         "shaft_influence.f90",
         "core",
         (
-            "& moved(1, first), n, matrix(first, first))",
-            "& wrenches(1, first), n, matrix(first, first))",
+            "& wrenches(1, first), moved(1, first), n,",
+            "& wrenches(1, first), wrenches(1, first), n,",
         ),
     ),
     *_in(
