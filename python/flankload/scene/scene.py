@@ -79,7 +79,8 @@ class SceneFile(Table, frozen=True, kw_only=True):
         Gear | None, about("the third gear of a train: its idler, or the second pinion")
     ] = None
     train: Annotated[
-        Train | None, about("three external gears in two meshes: an idler, or two pinions")
+        Train | None,
+        about("external gears in two meshes: an idler, two pinions, or double helical gears"),
     ] = None
     pair: Annotated[
         Pair | None, about("required, except for chains and belts, which do not have this table")

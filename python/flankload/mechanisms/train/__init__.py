@@ -1,1 +1,1 @@
-"""Trains of three external gears: an idler, or two pinions on one wheel."""
+"""Trains of external gears: an idler, two pinions on one wheel, double helical gears."""

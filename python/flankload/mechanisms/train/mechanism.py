@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class GearTrain(SeveralMeshes[TrainAssembly]):
-    """Three external gears in two meshes."""
+    """External gears in two meshes."""
 
     body_names = NAMES
 
