@@ -200,26 +200,9 @@ contains
         !> Derivative at place i per unit normal force at place j [1/N], shape (all, all)
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: m, first, last, row, row_last
-        real(wp), allocatable :: displaced(:, :), part(:, :)
-
-        m = size(places%values, 1)
-        if (m == 0) return
-        allocate (displaced(m, size(places%of)), part(size(places%of), size(places%of)))
-        first = 1
-        do while (first <= size(places%of))
-            last = last_of_site(places%flank, first)
-            row = 1
-            do while (row <= size(places%of))
-                row_last = last_of_site(places%flank, row)
-                call displace(body, places, [row, first], last - first + 1, 0, m, displaced)
-                call set_product(row_last - row + 1, last - first + 1, m, slopes(:, row:), &
-                    & displaced, size(part, 1), part(row, first))
-                row = row_last + 1
-            end do
-            first = last + 1
-        end do
-        matrix(places%of, places%of) = matrix(places%of, places%of) + part
+        if (size(slopes) == 0) return
+        matrix(places%of, places%of) = matrix(places%of, places%of) &
+            & + between_flanks(body, body%smooth, places, slopes)
     end subroutine add_mode_slopes
 
     !> Add V g_t Vᵀ of one body for forces along the profile, with the displacement opposite to the
@@ -232,30 +215,48 @@ contains
         !> Normal displacement at place i per unit normal force at place j [mm/N], shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: m, j, first, last, row, row_last
-        real(wp), allocatable :: displaced(:, :), part(:, :)
+        integer :: j
+        real(wp), allocatable :: part(:, :)
 
         if (.not. allocated(body%tangential)) return
-        m = size(places%values, 1)
-        allocate (displaced(m, size(places%of)), part(size(places%of), size(places%of)))
+        part = between_flanks(body, body%tangential, places, places%values)
+        do j = 1, size(places%of)
+            matrix(:, j) = matrix(:, j) - places%friction(j)*part(:, j)
+        end do
+    end subroutine add_tangential_modes
+
+    !> Return L g Vᵀ of one body, flank by flank.
+    pure function between_flanks(body, blocks, places, left) result(product)
+        !> Compliance of the body
+        type(compliance_type), intent(in) :: body
+        !> g of forces of one direction [mm/N], shape (n_modes, n_modes, blocks)
+        real(wp), contiguous, intent(in) :: blocks(:, :, :)
+        !> Places of the body, those of a flank adjacent
+        type(places_type), intent(in) :: places
+        !> L, shape (n_modes, n)
+        real(wp), contiguous, intent(in) :: left(:, :)
+        real(wp) :: product(size(places%of), size(places%of))
+
+        integer :: m, first, last, row, row_last
+        real(wp), allocatable :: displaced(:, :)
+
+        m = size(left, 1)
+        allocate (displaced(m, size(places%of)))
         first = 1
         do while (first <= size(places%of))
             last = last_of_site(places%flank, first)
             row = 1
             do while (row <= size(places%of))
                 row_last = last_of_site(places%flank, row)
-                call set_product(m, last - first + 1, m, transpose(body%tangential(:, :, &
+                call set_product(m, last - first + 1, m, transpose(blocks(:, :, &
                     & body%block(places%site(row), places%site(first)))), &
                     & places%values(:, first:), m, displaced)
-                call set_product(row_last - row + 1, last - first + 1, m, places%values(:, row:), &
-                    & displaced, size(part, 1), part(row, first))
+                call set_product(row_last - row + 1, last - first + 1, m, left(:, row:), &
+                    & displaced, size(product, 1), product(row, first))
                 row = row_last + 1
-            end do
-            do j = first, last
-                matrix(:, j) = matrix(:, j) - places%friction(j)*part(:, j)
             end do
             first = last + 1
         end do
-    end subroutine add_tangential_modes
+    end function between_flanks
 
 end module flankload_mode_field
