@@ -25,7 +25,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.elasticity.finite_elements import lame_parameters
-from flankload.elasticity.shape_functions import places_of_nodes, quadrature, shape_functions
+from flankload.elasticity.shape_functions import (
+    DEGREE,
+    places_of_nodes,
+    quadrature,
+    shape_functions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -164,8 +169,8 @@ def _strains(places: Floats, displaced: Floats, slopes: Floats) -> tuple[Floats,
 
 @cache
 def _element(kind: str) -> _Element:
-    """Element with quadratures exact to degree 4, recovery points to degree 2."""
-    (best, _), (points, weights) = (quadrature(kind, degree) for degree in (2, 4))
+    """Element with its quadrature, and recovery points exact to degree 2."""
+    (best, _), (points, weights) = (quadrature(kind, degree) for degree in (2, DEGREE))
 
     def functions(at: Floats) -> tuple[Floats, Floats]:
         values, slopes = shape_functions(kind, at)

@@ -28,13 +28,6 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Material
     from flankload.elasticity.axial_basis import AxialFunctions
 
-#: Degree of the quadrature in the plane, for products of gradients; degree 6 changes the compliance
-#: of a gear by 1e-9.
-PLANE_DEGREE = 4
-#: The same of prisms, whose gradients are multiplied by x and y with twist.
-PRISM_DEGREE = 6
-#: The same for loads that are linear in the coordinates.
-LOAD_DEGREE = 6
 #: Strains and products of operators (P is 0, Q is 1) in the plane and in a prism.
 PLANE_STRAINS, PLANE_TERMS = (0, 1, 3), ((0, 0),)
 ALL_STRAINS, ALL_TERMS = tuple(range(6)), ((0, 0), (0, 1), (1, 0), (1, 1))
@@ -189,7 +182,7 @@ def _element_blocks(
 ) -> Floats:
     """Blocks (E k k, t, c, c) of all pairs of nodes of each element."""
     plane = terms == PLANE_TERMS
-    basis = block_basis(nodes, kind, connectivity, PLANE_DEGREE if plane else PRISM_DEGREE)
+    basis = block_basis(nodes, kind, connectivity)
     dx, dy = basis.slopes[:, 0], basis.slopes[:, 1]
     k, elements, points = dx.shape
     c, strains = (2, PLANE_STRAINS) if plane else (3, ALL_STRAINS)
@@ -233,7 +226,7 @@ def centrifugal_load(section: SectionStiffness, nodes: Floats, cells: Cells) -> 
     bases, of_node = section.functions.of_nodes(np.arange(len(nodes)))
     found = np.zeros((len(nodes), section.functions.count, section.components))
     for region, (kind, connectivity) in zip(section.region_of_cells, cells, strict=True):
-        basis = block_basis(nodes, kind, connectivity, LOAD_DEGREE)
+        basis = block_basis(nodes, kind, connectivity)
         force, in_plane = basis.dx * basis.places, np.zeros_like(nodes)  # (2, E, points)
         for value, node in zip(basis.values, connectivity.T, strict=True):
             np.add.at(in_plane, node, (force * value).sum(axis=2).T)

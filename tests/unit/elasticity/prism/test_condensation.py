@@ -10,7 +10,6 @@ from scipy.sparse.linalg import splu
 
 from flankload.bodies.body import Body
 from flankload.bodies.involute.involute_body import build_involute_body
-from flankload.elasticity import finite_elements
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.condensed_sector import CondensedSector
 from flankload.elasticity.finite_elements import section_stiffness, stiffness
@@ -115,10 +114,7 @@ def test_the_two_halves_of_a_straight_prism_are_the_whole() -> None:
     _same(halves, _condensed(mesh, span, twist=0.0, twisted=True), CLOSURE)
 
 
-def test_a_prism_that_cannot_bend_or_stretch_is_in_plane_strain(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(finite_elements, "PRISM_DEGREE", finite_elements.PLANE_DEGREE)
+def test_a_prism_that_cannot_bend_or_stretch_is_in_plane_strain() -> None:
     mesh, span = ring_sector(TEETH, rows=2, columns=4)
     found = close_ring(_condensed(mesh, span, twist=0.0, cut_degree=0, degree=0), TEETH)
     plane = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flankload.elasticity import finite_elements
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.finite_elements import section_stiffness
 from tests.support.plain_prism import whole_stiffness
@@ -32,8 +31,7 @@ def _matrix(twist: float):
     return whole_stiffness(section_stiffness(MESH.nodes, MESH.cells, STEEL, twist), AXIAL)
 
 
-def test_without_axial_motion_it_is_plane_strain(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(finite_elements, "PRISM_DEGREE", finite_elements.PLANE_DEGREE)
+def test_without_axial_motion_it_is_plane_strain() -> None:
     plane = plane_stiffness(MESH.nodes, MESH.cells, STEEL, "strain").toarray()
     straight = section_stiffness(MESH.nodes, MESH.cells, STEEL, 0.0)
     whole = whole_stiffness(straight, AxialBasis((0.0, 1.0), 0)).toarray()
