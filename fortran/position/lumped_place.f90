@@ -10,7 +10,7 @@ module flankload_lumped_place
     implicit none
     private
 
-    public :: place_type
+    public :: lumped_start, place_type
     public :: near_field_of, reach_of, slide_place
 
     !> Lumped contact under a force.
@@ -46,6 +46,14 @@ module flankload_lumped_place
         !> evaluated: the near field is proportional to it
         logical :: is_narrow = .false.
     end type place_type
+
+    !> State from which that under other known displacements starts; not allocated without one.
+    type :: lumped_start
+        !> Forces of the zones [N], negative for those not considered, shape (zones)
+        real(wp), allocatable :: forces(:)
+        !> Lumped contacts of the zones, evaluated at nearly these forces, shape (zones)
+        type(place_type), allocatable :: places(:)
+    end type lumped_start
 
 contains
 

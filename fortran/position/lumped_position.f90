@@ -19,7 +19,7 @@ module flankload_lumped_position
     use flankload_lumped_estimate, only: estimate_forces, estimate_slices, full_forces
     use flankload_lumped_hertz, only: least_load_share
     use flankload_lumped_pass, only: couple, lumped_system, solve_pass, step_places
-    use flankload_lumped_place, only: place_type
+    use flankload_lumped_place, only: lumped_start, place_type
     use flankload_motion_rows, only: closed_by_motions, pair_rates, solve_motions
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, may_touch, position_state, &
@@ -44,7 +44,7 @@ module flankload_lumped_position
 contains
 
     !> Solve one position under its loads.
-    subroutine solve_lumped(bodies, meshes, loads, position, state, error, start)
+    subroutine solve_lumped(bodies, meshes, loads, position, start, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -52,28 +52,26 @@ contains
         real(wp), intent(in) :: loads(:)
         !> Position; near fields of slices are updated for the loads
         type(position_type), intent(inout) :: position
+        !> State from which this one starts, if any; this one on return, in the plane only
+        type(lumped_start), intent(inout) :: start
         !> State; blank on entry
         type(position_state), intent(inout) :: state
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
-        !> Forces of the zones in a similar state in the plane [N], negative for those not
-        !> considered, shape (zones)
-        real(wp), intent(in), optional :: start(:)
 
         integer :: pass, pivots
         logical :: included(size(position%zones)), done, solved
-        real(wp) :: change, since_update
-        real(wp), dimension(size(position%zones)) :: forces, last
+        real(wp) :: change, since_update, forces(size(position%zones)), last(size(position%zones))
         type(lumped_system) :: system
 
-        if (present(start)) then
-            forces = max(start, 0.0_wp)
-            included = start >= 0.0_wp
+        if (allocated(start%forces)) then
+            forces = max(start%forces, 0.0_wp)
+            included = start%forces >= 0.0_wp
         else
             call begin(bodies, meshes, loads, position, forces, included, state, error)
             if (allocated(error)) return
         end if
-        system = new_system(position, loads, forces)
+        system = new_system(position, start, loads, forces)
         do pass = 1, max_passes
             if (size(system%of) /= count(included)) then
                 call couple(bodies, meshes, position, included, system)
@@ -81,11 +79,11 @@ contains
                     call fatal_error(error, code_conforms)
                     return
                 end if
-                call take_parabolas(position, some_force(forces, system%full), system)
+                if (pass > 1 .or. .not. allocated(start%places)) call take_parabolas(position, &
+                    & some_force(forces, system%full), system)
                 call reserve_pairs(state%pairs, size(system%of))
                 since_update = huge(1.0_wp)
                 change = huge(1.0_wp)
-                if (pass == 1 .and. present(start)) change = 0.0_wp
             end if
             if ((change <= nearly .and. since_update > settled) .or. (since_update < huge(1.0_wp) &
                 & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
@@ -113,12 +111,34 @@ contains
         end do
         if (.not. done) call fatal_error(error, code_unsettled_widths)
         if (done) call finish(meshes, position, system, forces, state, error)
+        if (.not. allocated(error)) start = start_from(position, system, forces)
     end subroutine solve_lumped
 
-    !> Return the lumped contacts of a position, none of which is considered yet.
-    pure function new_system(position, loads, forces) result(system)
+    !> Return what a state in the same position starts from.
+    pure function start_from(position, system, forces) result(start)
         !> The position
         type(position_type), intent(in) :: position
+        !> Lumped contacts of a state
+        type(lumped_system), intent(in) :: system
+        !> Forces of the zones [N], shape (zones)
+        real(wp), intent(in) :: forces(:)
+        type(lumped_start) :: start
+
+        if (any(in_slice(position%zones)) .or. position%conforms) return
+        start%places = system%places
+        ! these derivatives hold for the motions of that state
+        start%places%lever_slope = 0.0_wp
+        start%places%torque_lever_slope = 0.0_wp
+        start%places%lever_along_slope = 0.0_wp
+        allocate (start%forces(size(forces)), source=-1.0_wp)
+        start%forces(system%of) = forces(system%of)
+    end function start_from
+
+    !> Return the lumped contacts of a position, none of which is considered yet.
+    pure function new_system(position, start, loads, forces) result(system)
+        !> The position, and the state from which this one starts, if any
+        type(position_type), intent(in) :: position
+        type(lumped_start), intent(in) :: start
         !> Loads of the motions, shape (motions)
         real(wp), intent(in) :: loads(:)
         !> First forces of the zones [N], shape (zones)
@@ -130,6 +150,7 @@ contains
         ! flanks that are pressed against each other across a tooth carry more than the torque
         if (any(position%zones%side < 0.0_wp)) system%full = max(system%full, maxval(forces))
         allocate (system%places(size(forces)), system%of(0))
+        if (allocated(start%places)) system%places = start%places
     end function new_system
 
     !> Estimate the forces, and find the contacts needed.

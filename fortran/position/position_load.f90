@@ -10,6 +10,7 @@ module flankload_position_load
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_zones, only: in_slice, zone_type
     use flankload_lumped_estimate, only: estimate_forces, full_forces
+    use flankload_lumped_place, only: lumped_start
     use flankload_lumped_position, only: solve_lumped
     use flankload_mesh, only: body_type, configuration_type, level_lumped, level_pairs, &
         & mesh_type, motion_type
@@ -81,35 +82,34 @@ contains
 
         integer :: t
         logical :: located
-        real(wp), allocatable :: start(:)
+        type(lumped_start) :: anew
+        type(lumped_start), allocatable :: start(:)
         type(position_type) :: whole
         type(known_contact) :: contact
         type(error_type), allocatable :: error
 
         call displace_contacts(bodies, meshes, configuration, position, located)
+        if (located) call move_alloc(position%start, start)
+        if (.not. allocated(start)) allocate (start(size(states)))
         do t = 1, size(states)
             if (.not. located) call locate(loads(:, t), .false., position)
             located = .not. (allocated(error) .or. position%conforms)
             contact = known_contact()
             if (present(known)) contact = known(t)
-            if (allocated(start)) deallocate (start)
-            if (allocated(position%start)) then
-                if (any(position%start(:, t) > 0.0_wp)) start = position%start(:, t)
-            end if
-            call solve_loads(bodies, meshes, loads(:, t), contact, position, states(t), error, &
-                & start)
+            call solve_loads(bodies, meshes, loads(:, t), contact, position, start(t), states(t), &
+                & error)
             if (may_miss(position, states(t), allocated(error))) then
                 call locate(loads(:, t), .true., whole)
-                call solve_loads(bodies, meshes, loads(:, t), known_contact(), whole, states(t), &
-                    & error)
+                anew = lumped_start()
+                call solve_loads(bodies, meshes, loads(:, t), known_contact(), whole, anew, &
+                    & states(t), error)
             end if
             if (allocated(error)) then
                 states(t)%status = error%code
                 deallocate (error)
-            else if (meshes(1)%grid%level == level_lumped .and. .not. position%conforms) then
-                call note_start(t, states, position)
             end if
         end do
+        call move_alloc(start, position%start)
 
     contains
 
@@ -138,25 +138,6 @@ contains
         end subroutine locate
 
     end subroutine solve_cases
-
-    !> Note the forces of a state with lumped contacts in the plane, from which a state in the same
-    !> position starts: of zones that were not considered, -1.
-    pure subroutine note_start(t, states, position)
-        !> Number of the case of loads, and all states
-        integer, intent(in) :: t
-        type(position_state), intent(in) :: states(:)
-        !> The position
-        type(position_type), intent(inout) :: position
-
-        integer :: n
-
-        n = states(t)%pairs%n
-        if (n == 0 .or. any(in_slice(position%zones))) return
-        if (.not. allocated(position%start)) allocate (position%start(size(position%zones), &
-            & size(states)), source=-1.0_wp)
-        position%start(:, t) = -1.0_wp
-        position%start(states(t)%pairs%zone(:n), t) = states(t)%forces(:n)
-    end subroutine note_start
 
     !> Report an error for several meshes or motions with what is defined for one mesh and the
     !> rotation of body 1 only: slices that conform, finite forces, and friction, whose state may
@@ -207,7 +188,7 @@ contains
     end function is_plane_only
 
     !> Solve a position for one case of loads.
-    subroutine solve_loads(bodies, meshes, loads, contact, position, state, error, start)
+    subroutine solve_loads(bodies, meshes, loads, contact, position, start, state, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -217,14 +198,14 @@ contains
         type(known_contact), intent(in) :: contact
         !> The position
         type(position_type), intent(inout) :: position
+        !> As in solve_lumped
+        type(lumped_start), intent(inout) :: start
         !> State
         type(position_state), intent(out) :: state
         !> Set if there was an error before, or no state was found
         type(error_type), allocatable, intent(inout) :: error
-        !> As in solve_lumped
-        real(wp), intent(in), optional :: start(:)
 
-        logical :: solved
+        logical :: started
 
         if (allocated(error)) return
         call blank_state(sum(meshes%n_sites), size(loads), state)
@@ -233,13 +214,14 @@ contains
         else if (allocated(meshes(1)%height)) then
             call solve_heights(meshes(1), loads, position, state, error)
         else if (meshes(1)%grid%level == level_lumped) then
-            solved = .false.
-            if (present(start)) then
-                call solve_lumped(bodies, meshes, loads, position, state, error, start)
-                solved = .not. allocated(error)
-                if (.not. solved) call blank_state(sum(meshes%n_sites), size(loads), state)
+            started = allocated(start%forces)
+            call solve_lumped(bodies, meshes, loads, position, start, state, error)
+            if (started .and. allocated(error)) then
+                start = lumped_start()
+                call blank_state(sum(meshes%n_sites), size(loads), state)
+                call solve_lumped(bodies, meshes, loads, position, start, state, error)
             end if
-            if (.not. solved) call solve_lumped(bodies, meshes, loads, position, state, error)
+            if (allocated(error)) start = lumped_start()
         else
             call solve_on_cells(bodies, meshes, position, loads, contact, state, error)
         end if
@@ -396,10 +378,11 @@ contains
 
         integer :: k, m, first
         real(wp) :: estimate(size(position%zones))
+        type(lumped_start) :: anew
         type(position_state) :: lumped
 
         call blank_state(sum(meshes%n_sites), size(loads), lumped)
-        call solve_lumped(bodies, meshes, loads, position, lumped, error)
+        call solve_lumped(bodies, meshes, loads, position, anew, lumped, error)
         state%pivots = state%pivots + lumped%pivots
         state%lumped_solutions = state%lumped_solutions + lumped%lumped_solutions
         state%largest_part = lumped%largest_part

@@ -12,6 +12,7 @@ module flankload_position_zones
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_pairs, only: closing_of
     use flankload_contact_zones, only: find_zones, zone_type
+    use flankload_lumped_place, only: lumped_start
     use flankload_mesh, only: body_type, configuration_type, mesh_type, motion_type, rotation
     use flankload_motion_rows, only: closed_by_displacements, zone_rates
     use flankload_polar_geometry, only: cross, turned
@@ -76,9 +77,9 @@ module flankload_position_zones
         !> Angles of both bodies of each mesh for which the zones were found [rad], shape
         !> (2, meshes); not allocated if the zones are valid for one torque only
         real(wp), allocatable :: angles(:, :)
-        !> Forces of the zones in the last state under each load [N], from which the next one
-        !> starts, shape (zones, cases); not allocated at the first state
-        real(wp), allocatable :: start(:, :)
+        !> The last state under each load, from which the next one starts, shape (cases); not
+        !> allocated at the first state
+        type(lumped_start), allocatable :: start(:)
         !> Workspace for K of the cells
         real(wp), allocatable :: room(:)
     end type position_type

@@ -226,7 +226,7 @@ contains
         !> True if the matrix is known to be regular, so that small pivots are accepted
         logical, intent(in) :: graded
 
-        integer :: q, step, at(2), row
+        integer :: q, step, at(2), row, column
         integer, allocatable :: pivot_row(:), pivot_column(:)
         logical, allocatable :: free(:, :)
         real(wp) :: pivot, largest, negligible
@@ -245,8 +245,15 @@ contains
         negligible = merge(0.0_wp, singular_motion*largest, graded)
         least_pivot = 1.0_wp
         do step = 1, q
-            at = maxloc(abs(matrix), mask=free)
-            pivot = matrix(at(1), at(2))
+            ! maxloc with a mask takes longer than the elimination
+            pivot = 0.0_wp
+            do column = 1, q
+                do row = 1, q
+                    if (.not. free(row, column) .or. abs(matrix(row, column)) <= abs(pivot)) cycle
+                    at = [row, column]
+                    pivot = matrix(row, column)
+                end do
+            end do
             if (abs(pivot) > negligible) then
                 least_pivot = min(least_pivot, abs(pivot)/largest)
             else
