@@ -244,8 +244,8 @@ class DoubleHelicalLoads(TwoMeshes):
 
     def words(self) -> str:
         """Text of a report."""
-        along = self.axial_motion_um
-        text = f"body 1 moves along its axis by {along.min():.4g} to {along.max():.4g} um; "
+        ends = (f"{end:.4g}" for end in (self.axial_motion_um.min(), self.axial_motion_um.max()))
+        text = f"body 1 moves along its axis by {' to '.join(dict.fromkeys(ends))} um; "
         return text + _words_of_factors(self.mesh_face_load_factor)
 
 
