@@ -153,6 +153,14 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
     yield "deflection of the rim of the ring, largest", "", "µm", rim
     yield "torque on the ring, mean", "", "N m", _entry("ring_torque_mean_Nm", ".5g")
     yield "torque on the carrier, mean", "", "N m", _entry("carrier_torque_mean_Nm", ".5g")
+    for k in (1, 2):
+        factor = _entry("mesh_face_load_factors", ".3f", of=k)
+        yield f"face load factor of {results[0].engagement.site_word} {k}", "K_Hβ", "", factor
+    for k in (1, 2, 3):
+        force = _entry("bearing_force_max_N", ".5g", of=k)
+        yield f"force on the bearings of body {k}, largest", "", "N", force
+    along = _entry("axial_motion_peak_to_peak_um", ".2f")
+    yield "axial motion of body 1, peak to peak", "", "µm", along
     for kind in ("tangent", "secant"):
         key = f"stiffness_{kind}"
         stiffness = _entry(f"{key}_mean_N_per_um", ".2f", error=key)
@@ -164,10 +172,22 @@ def _entry(key: str, form: str, **options: Any) -> CellOf:
 
 
 def _number(
-    result: Result, key: str, form: str, *, error: str = "", place: str = "", positive: bool = False
+    result: Result,
+    key: str,
+    form: str,
+    *,
+    of: int = 0,
+    error: str = "",
+    place: str = "",
+    positive: bool = False,
 ) -> Cell | None:
-    """Cell of an entry of the summary; `place` is the prefix of its position and pair."""
+    """Cell of an entry of the summary; `place` is the prefix of its position and pair.
+
+    Of a list, the number of the entry is `of`, from 1.
+    """
     value = result.summary.get(key)
+    if of and value is not None:
+        value = value[of - 1] if of <= len(value) else None
     if value is None or (positive and value <= 0):
         return None
     if key in OF_SEVERAL and result.position_rad.size == 1:

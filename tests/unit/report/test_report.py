@@ -264,6 +264,11 @@ def kinds() -> dict[str, dict[str, Any]]:
             "positions": {"count": 2},
             "accuracy": {**FAST, "flank_element_mm": 3.0},
         },
+        "train": {
+            **example("two_pinions"),
+            "positions": {"count": 2},
+            "accuracy": {**FAST, "flank_element_mm": 3.0},
+        },
         "helical": {
             **helical,
             "positions": {"count": 2},
@@ -310,6 +315,7 @@ def test_every_kind_of_drive_has_a_report(kind: str, monkeypatch: pytest.MonkeyP
         "internal": "176.2000 mm", "spline": "48.0000 mm", "cam": "length of the profile",
         "belt": "effective tension", "chain": "roller seating radius", "helical": "overlap ratio",
         "stage": "mesh load factor, largest",
+        "train": "force on the bearings of body 3, largest",
     }  # fmt: skip
     assert words[kind] in sheet
 
