@@ -149,7 +149,7 @@ def packed_body(
     parts = _compliance_parts(compliance, shifts)
     if tangential:
         parts += _tangential_parts(compliance, coast=coast)
-    if not slices.plane and compliance.modes.axial is not None:
+    if not slices.plane:
         parts += _axial_parts(body, compliance.modes.axial, coast=coast)
     removed = slices.surfaces_mm[which]
     curves = [body.curve] if removed is None else section_curves(body, removed)

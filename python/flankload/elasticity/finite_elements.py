@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
     from flankload.elasticity.axial_basis import AxialFunctions
+    from flankload.elasticity.shape_functions import BlockBasis
 
 #: Strains and products of operators (P is 0, Q is 1) in the plane and in a prism.
 PLANE_STRAINS, PLANE_TERMS = (0, 1, 3), ((0, 0),)
@@ -135,7 +136,11 @@ def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> Se
     plane : {"strain", "stress"}
     """
     moduli = _moduli(material, plane)[np.ix_(PLANE_STRAINS, PLANE_STRAINS)]
-    blocks = [_element_blocks(nodes, kind, own, moduli, 0.0, PLANE_TERMS) for kind, own in cells]
+    blocks = []
+    for kind, own in cells:
+        basis = block_basis(nodes, kind, own)
+        operators = _in_section(basis, 1, PLANE_STRAINS, 2)
+        blocks.append(_element_blocks(basis, operators, moduli, PLANE_TERMS))
     return _summed(len(nodes), cells, blocks, [0] * len(cells))
 
 
@@ -148,7 +153,10 @@ def section_stiffness(
     each entry of `cells`, by default one.
     """
     moduli = _moduli(material, "strain")
-    blocks = [_element_blocks(nodes, kind, own, moduli, twist, ALL_TERMS) for kind, own in cells]
+    blocks = []
+    for kind, own in cells:
+        basis = block_basis(nodes, kind, own)
+        blocks.append(_element_blocks(basis, _along_axis(basis, twist), moduli, ALL_TERMS))
     return replace(_summed(len(nodes), cells, blocks, regions or [0] * len(cells)), twist=twist)
 
 
@@ -172,35 +180,40 @@ def _summed(
     return SectionStiffness(rows, columns, total, count, region, tuple(regions))
 
 
-def _element_blocks(
-    nodes: Floats,
-    kind: str,
-    connectivity: Numbers,
-    moduli: Floats,
-    twist: float,
-    terms: Sequence[tuple[int, int]],
+def _in_section(
+    basis: BlockBasis, operators: int, strains: tuple[int, ...], components: int
 ) -> Floats:
-    """Blocks (E k k, t, c, c) of all pairs of nodes of each element."""
-    plane = terms == PLANE_TERMS
-    basis = block_basis(nodes, kind, connectivity)
+    """Operators P and perhaps Q (o, strains, k, c, E, points), with the in-plane strains of P."""
     dx, dy = basis.slopes[:, 0], basis.slopes[:, 1]
-    k, elements, points = dx.shape
-    c, strains = (2, PLANE_STRAINS) if plane else (3, ALL_STRAINS)
-    xy = strains.index(3)
-    own = np.zeros((terms[-1][0] + 1, len(strains), k, c, elements, points))
-    p = own[0]
+    k, *of_elements = dx.shape
+    found = np.zeros((operators, len(strains), k, components, *of_elements))
+    p, xy = found[0], strains.index(3)
     p[0, :, 0] = p[xy, :, 1] = dx
     p[1, :, 1] = p[xy, :, 0] = dy
-    if not plane:
-        q, (x, y) = own[1], basis.places
-        value = np.broadcast_to(basis.values[:, None], dx.shape)
-        turned = twist * (y * dx - x * dy)
-        p[4, :, 2], p[5, :, 2] = dx, dy
-        p[2, :, 2] = p[4, :, 0] = p[5, :, 1] = turned
-        p[4, :, 1], p[5, :, 0] = -twist * value, twist * value
-        q[2, :, 2] = q[4, :, 0] = q[5, :, 1] = value
+    return found
+
+
+def _along_axis(basis: BlockBasis, twist: float) -> Floats:
+    """Both operators of a prism."""
+    found = _in_section(basis, 2, ALL_STRAINS, 3)
+    (p, q), (x, y) = found, basis.places
+    dx, dy = basis.slopes[:, 0], basis.slopes[:, 1]
+    value = np.broadcast_to(basis.values[:, None], dx.shape)
+    turned = twist * (y * dx - x * dy)
+    p[4, :, 2], p[5, :, 2] = dx, dy
+    p[2, :, 2] = p[4, :, 0] = p[5, :, 1] = turned
+    p[4, :, 1], p[5, :, 0] = -twist * value, twist * value
+    q[2, :, 2] = q[4, :, 0] = q[5, :, 1] = value
+    return found
+
+
+def _element_blocks(
+    basis: BlockBasis, own: Floats, moduli: Floats, terms: Sequence[tuple[int, int]]
+) -> Floats:
+    """Blocks (E k k, t, c, c) of all pairs of nodes of each element from its operators."""
+    _, strains, k, c, elements, points = own.shape
     strain = np.ascontiguousarray(own.transpose(0, 4, 5, 1, 2, 3))
-    strain = strain.reshape(len(own), elements, points, len(strains), k * c)
+    strain = strain.reshape(len(own), elements, points, strains, k * c)
     stress = (moduli @ strain * basis.dx[:, :, None, None]).reshape(len(own), elements, -1, k * c)
     strain = strain.reshape(stress.shape)
     blocks = np.empty((elements, k, k, len(terms), c, c))

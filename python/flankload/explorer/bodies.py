@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from bokeh.palettes import Inferno256
 
-from flankload.plot.loaded_pair import is_drawn_over_width
+from flankload.plot.loaded_pair import view_of
 from flankload.plot.loaded_teeth import loaded_teeth
 from flankload.report.turning import (
     body_path,
@@ -40,12 +40,13 @@ def windows_of(result: Result) -> tuple[Floats, ...]:
     All positions are within; drawings of several bodies have one size, thus one scale.
     """
     order = positions_of(result)
-    if not is_drawn_over_width(result):
+    bodies = view_of(result).one_by_one
+    if not bodies:
         return (np.array(window([result], order)),)
     shown = order[:: max(1, len(order) // HELD)]
     outlines = (
         np.vstack([loaded_teeth(result, p, body, *FACETS).outline for p in shown])
-        for body in (1, 2)
+        for body in bodies
     )
     ends = np.array([(outline.min(axis=0), outline.max(axis=0)) for outline in outlines])
     half = (0.5 + SPACE) * np.ptp(ends, axis=1).max(axis=0)
@@ -59,10 +60,10 @@ def drawing_of(result: Result | None, part: float, windows: tuple[Floats, ...]) 
         order = positions_of(result)
         p = order[min(int(part * len(order)), len(order) - 1)]
         words = f"Loaded bodies at {result.position_deg[p]:.2f}°"
-        if is_drawn_over_width(result):
+        if bodies := view_of(result).one_by_one:
             load = result.width_loads.line_load_N_per_mm
             words += f": up to {load[p].max():.0f} N/mm, of all positions {load.max():.0f}"
-            drawn = ["".join(_teeth(result, p, body)) for body in (1, 2)]
+            drawn = ["".join(_teeth(result, p, body)) for body in bodies]
         else:
             drawn = ["".join(_section(result, p, float(np.ptp(windows[0], axis=0).max())))]
     found = f"<h2>{words}</h2>"

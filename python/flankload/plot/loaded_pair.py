@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ from flankload.plot.style import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -41,8 +42,11 @@ HERTZ_POINTS = 41
 
 def _representative(result: Result) -> int:
     """Position of most pairs, most even sharing, largest pressure (3D: largest line load)."""
-    if is_drawn_over_width(result):
-        return of_largest_line_load(result)
+    return view_of(result).representative(result)
+
+
+def _of_most_pairs(result: Result) -> int:
+    """Position of most pairs, most even sharing, largest pressure."""
     share, pressure = result.load_share.max(axis=1), result.peak_pressure_MPa.max(axis=1)
     # off corners if possible
     order = np.lexsort((-pressure, share, at_corner(result), -result.loaded_pairs))
@@ -63,30 +67,7 @@ def plot_loaded_pair(
     result, p = _at_representative(results, position)
     title = f"Loaded pair at {degrees(result.position_rad[p]):.4g}°"
     with panels(result, title, (7.2, 4.8)) as figure:
-        if is_drawn_over_width(result):
-            figure.set_size_inches(7.2, 4.4)
-            figure.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.1)
-            draw_loaded_pair(figure.add_subplot(), result, position=p, body=body)
-            return figure
-        carrying = _carrying(result, p)
-        if not (carrying and result.engagement.draws_pressures):
-            if result.engagement.draws_whole_bodies:
-                figure.set_size_inches(6.2, 6.4)
-            draw_loaded_pair(figure.add_subplot(), result, position=p, body=body)
-            return figure
-        grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
-        draw_loaded_pair(figure.add_subplot(grid[:, 0]), result, position=p)
-        # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
-        # that widths and heights can be compared.
-        curves = [_pressure_along(result, p, site) for _, site in carrying]
-        reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
-        upwards = carrying if not result.drawing.is_around else carrying[::-1]
-        for row, (s, site) in enumerate(reversed(upwards)):
-            axes = figure.add_subplot(grid[row, 1])
-            _draw_pressure(axes, result, p, s, site, reach)
-            if row < len(carrying) - 1:
-                axes.set_xlabel("")
-                axes.tick_params(labelbottom=False)
+        view_of(result).plot(figure, result, p, body)
     return figure
 
 
@@ -100,17 +81,73 @@ def draw_loaded_pair(
     load on their flanks; of splines a section as in the plane.
     """
     result, p = _at_representative(results, position)
-    if is_drawn_over_width(result):
-        draw_loaded_bodies(axes, result, p, (1, 2) if body is None else (body,))
+    view_of(result).draw(axes, result, p, body)
+
+
+def _plot_over_width(figure: Figure, result: Result, p: int, body: int | None) -> None:
+    """The teeth over their face width."""
+    figure.set_size_inches(7.2, 4.4)
+    figure.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.1)
+    _draw_over_width(figure.add_subplot(), result, p, body)
+
+
+def _draw_over_width(axes: Axes, result: Result, p: int, body: int | None) -> None:
+    """The teeth of both bodies, or of one, with the line load on their flanks."""
+    draw_loaded_bodies(axes, result, p, (1, 2) if body is None else (body,))
+
+
+def _plot_in_section(figure: Figure, result: Result, p: int, body: int | None) -> None:
+    """The teeth in a section, and the pressure of each pair if the drawing has pressures."""
+    carrying = _carrying(result, p)
+    if not (carrying and result.engagement.draws_pressures):
+        if result.engagement.draws_whole_bodies:
+            figure.set_size_inches(6.2, 6.4)
+        _draw_in_section(figure.add_subplot(), result, p, body)
         return
+    grid = figure.add_gridspec(len(carrying), 2, width_ratios=(1.55, 1.0))
+    _draw_in_section(figure.add_subplot(grid[:, 0]), result, p, body)
+    # The panels have the same vertical order as the pairs in the drawing, and the same axes, so
+    # that widths and heights can be compared.
+    curves = [_pressure_along(result, p, site) for _, site in carrying]
+    reach = max((1.6 * float(np.abs(x[y > 0]).max()) for x, y in curves), default=0.0)
+    upwards = carrying if not result.drawing.is_around else carrying[::-1]
+    for row, (s, site) in enumerate(reversed(upwards)):
+        axes = figure.add_subplot(grid[row, 1])
+        _draw_pressure(axes, result, p, s, site, reach)
+        if row < len(carrying) - 1:
+            axes.set_xlabel("")
+            axes.tick_params(labelbottom=False)
+
+
+def _draw_in_section(axes: Axes, result: Result, p: int, _: int | None) -> None:
+    """Both bodies in a section, with pressures on the flanks or forces."""
     _draw_bodies(axes, result, p)
     draw = _draw_pressures if result.engagement.draws_pressures else _draw_forces
     draw(axes, result, p)
 
 
-def is_drawn_over_width(result: Result) -> bool:
-    """Whether the teeth are drawn over their width, each body by itself."""
-    return result.slices is not None and not result.engagement.draws_whole_bodies
+@dataclass(frozen=True)
+class View:
+    """How the teeth in mesh are drawn: bodies with a drawing of their own, position by default.
+
+    `plot` fills a figure and `draw` axes with a result at a position, with both bodies or one.
+    """
+
+    one_by_one: tuple[int, ...]
+    representative: Callable[[Result], int]
+    plot: Callable[[Figure, Result, int, int | None], None]
+    draw: Callable[[Axes, Result, int, int | None], None]
+
+
+OVER_WIDTH = View((1, 2), of_largest_line_load, _plot_over_width, _draw_over_width)
+IN_SECTION = View((), _of_most_pairs, _plot_in_section, _draw_in_section)
+
+
+def view_of(result: Result) -> View:
+    """How the teeth of a result are drawn; whole bodies in a section even if they have a width."""
+    if result.slices is None or result.engagement.draws_whole_bodies:
+        return IN_SECTION
+    return OVER_WIDTH
 
 
 def _carrying(result: Result, p: int) -> list[tuple[int, int]]:

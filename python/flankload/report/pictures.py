@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload import plot as pictures
-from flankload.plot.loaded_pair import is_drawn_over_width
+from flankload.plot.loaded_pair import view_of
 from flankload.plot.picture import OF_LARGEST
 from flankload.plot.svg import Panel, panel_of
 from flankload.report.turning import thinned
@@ -148,7 +148,7 @@ def _patterns(title: str, result: Result) -> Iterator[tuple[str, tuple[str, Any]
 def _bodies(name: str, results: Sequence[Result]) -> tuple[int, ...]:
     """Bodies that a picture shows one by one; none if it shows both at once."""
     if name == "loaded_pair":
-        return (1, 2) if is_drawn_over_width(results[-1]) else ()
+        return view_of(results[-1]).one_by_one
     if name != "profile_deviation":
         return (1, 2)
     profiles = results[-1].drawing.profiles

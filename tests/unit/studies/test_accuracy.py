@@ -110,10 +110,11 @@ def short_ladders() -> Iterator[None]:
         for name, study in short.items():
             patch.setitem(STEPS, name, replace(STEPS[name], study=study))
         finest = {"flank_element_mm": 0.5, "strips_per_half_width": 20.0, "count": 2.0}
-        patch.setattr(refinements, "FINEST", (finest,))
+        patch.setattr(refinements, "FINEST", replace(refinements.FINEST, limits=(finest,)))
         patch.setattr(refinements, "SPATIAL_STEPS", 2)
         finest = {"flank_element_mm": 1.5, "axial_degree": 6, "load_degree_z": 2, "count": 2.0}
-        patch.setattr(refinements, "SPATIAL_FINEST", (finest,))
+        few = replace(refinements.SPATIAL_FINEST, limits=(finest,))
+        patch.setattr(refinements, "SPATIAL_FINEST", few)
         for room in (refinements, reference):
             patch.setattr(room, "ADAPTIVE", (0.03,), raising=False)
         patch.setattr(runs, "REPEATED_BELOW_S", 0.0)

@@ -380,8 +380,6 @@ def no_compliance(body: Body, body_load: BodyLoad | None = None) -> BodyComplian
 def _whole_width(body: Body) -> AxialModes:
     """One constant mode over the width of a rigid body."""
     shape = body.axial
-    if shape.plane:
-        return AxialModes()
     tangent = shape.twist_rad_per_mm * (body.base_radius_mm or body.normal_lever_mm)
     return AxialModes(
         shape.range_mm, 0, shape.twist_rad_per_mm, float(1.0 / np.hypot(1.0, tangent)), (0.0, 0.0)

@@ -27,6 +27,7 @@ from flankload.scene.effects import work_in
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from flankload.bodies.body import Body
     from flankload.mechanisms.elements import ElasticBodies
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
@@ -82,32 +83,30 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
     if body.mesh is None:
         return _solved(0, 0, 0)
-    spatial, nodal = pair.effects.three_dimensions, pair.effects.nodal_near_field
-    degrees = degrees_of(scene.accuracy) if spatial else (0, 0)
+    extension = _extension(body, scene)
+    degrees, nodal = extension.degrees, pair.effects.nodal_near_field
     columns = _Columns(
         of_profile=tuple(
             round(part) * modes for part in (work.normal_loads, work.tangential_loads)
         ),
-        degrees=degrees,
+        extension=extension,
         growth=growth,
-        places=places if work.recoveries or not spatial else 0,
+        places=places,
         coast=round(work.coast_readings),
         # a sharp tip moves along the flank, too
-        corners=int(not spatial and not nodal and has_turned_forces(body)),
+        corners=int(extension.sharp_tips and not nodal and has_turned_forces(body)),
         rim=RIM_LOADS if job.rim else 0,
     )
     tooth = pair.effects.single_tooth
-    factorisations = round(work.factorisations)
-    if spatial:  # with a plane of symmetry two parts of half the size
-        factorisations = 2 if body.axial.symmetric else 1
-    found = columns.work(body.mesh, factorisations, spatial=spatial, tooth=tooth)
-    if spatial and scene.accuracy.estimate and _is_estimated(pair, z):  # of the plane section
+    found = columns.work(body.mesh, tooth=tooth)
+    estimated = scene.accuracy.estimate and _is_estimated(pair, z)
+    if estimated and not body.axial.plane:  # of the plane section
         found["fe_factorisations"] += 1
         found["fe_solutions"] += sum(columns.of_profile)
         if body.axial.regions:  # another degree along the axis
-            found["fe_factorisations"] += factorisations
+            found["fe_factorisations"] += extension.factorisations
             found["fe_solutions"] += sum(columns.of_profile) * (degrees[1] + 1)
-    per_node = (3 if spatial else 2) * (degrees[0] + 1)
+    per_node = extension.components * (degrees[0] + 1)
     found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth, per_node=per_node)
     counted = _without_unasked(found, pair.effects)
     if job.rim:  # its response is part of larger arrays
@@ -138,6 +137,34 @@ def _is_estimated(pair: ElasticBodies, z: int) -> bool:
 
 
 @dataclass(frozen=True)
+class _Extension:
+    """Numbers of the elements that depend on how a body extends along its axis.
+
+    `degrees` are those of displacements and loads along the axis, `components` those of a
+    displacement, `bore_motions` those of a free bore; with a plane of symmetry across the axis
+    there are two factorisations of half the size. `sharp_tips`: whether forces turn at them.
+    """
+
+    degrees: tuple[int, int]
+    components: int
+    bore_motions: int
+    factorisations: int
+    sharp_tips: bool
+
+
+#: Of a body in the plane.
+IN_THE_PLANE = _Extension((0, 0), 2, IN_PLANE.size, 1, sharp_tips=True)
+
+
+def _extension(body: Body, scene: Scene) -> _Extension:
+    """The extension of a body of a scene along its axis."""
+    if body.axial.plane:
+        return IN_THE_PLANE
+    parts = 1 + body.axial.symmetric
+    return _Extension(degrees_of(scene.accuracy), 3, len(AXIAL_MOTIONS), parts, sharp_tips=False)
+
+
+@dataclass(frozen=True)
 class _Columns:
     """Loads and readings of the elements of a body.
 
@@ -145,8 +172,8 @@ class _Columns:
     ----------
     of_profile : (int, int)
         Normal and tangential loads of a flank, each over all of the width.
-    degrees : (int, int)
-        Degrees of displacements and loads along the axis; 0 in the plane.
+    extension : _Extension
+        Extension of the body along its axis.
     growth, places : int
         Body loads, and places of stress.
     coast, corners : int
@@ -156,21 +183,21 @@ class _Columns:
     """
 
     of_profile: tuple[int, ...]
-    degrees: tuple[int, int]
+    extension: _Extension
     growth: int
     places: int
     coast: int
     corners: int
     rim: int
 
-    def work(
-        self, mesh: SectorMesh | WholeMesh, factorisations: int, *, spatial: bool, tooth: bool
-    ) -> dict[str, int]:
+    def work(self, mesh: SectorMesh | WholeMesh, *, tooth: bool) -> dict[str, int]:
         """Counters of the elements; `tooth`: with fixed cuts.
 
         Without cuts or with fixed ones, readings come from the solutions of the load cases.
         """
-        along = self.degrees[1] + 1
+        factorisations = self.extension.factorisations
+        degree, load_degree = self.extension.degrees
+        along = load_degree + 1
         normal, tangential = (part * along * len(mesh.flanks) for part in self.of_profile)
         if not isinstance(mesh, SectorMesh):
             return _solved(factorisations, normal, tangential, fe_load_cases_growth=self.growth)
@@ -182,12 +209,12 @@ class _Columns:
             normal + self.rim,
             tangential,
             fe_load_cases_growth=self.growth,
-            bore_reactions=mesh.has_free_bore * (len(AXIAL_MOTIONS) if spatial else IN_PLANE.size),
+            bore_reactions=mesh.has_free_bore * self.extension.bore_motions,
             stress_recoveries=self.places,
             coast_readings=coast,
             corner_readings=self.corners,
         )
-        found["fe_solutions"] += self.places * self.degrees[0]  # one for each function of z
+        found["fe_solutions"] += self.places * degree  # one for each function of z
         return found
 
     def bytes(
@@ -201,7 +228,8 @@ class _Columns:
         )
         both = normal + tangential
         own = normal * both + along * tangential**2
-        own += self.places * (self.degrees[0] + 1) * both * (1 + self.coast) + self.corners * normal
+        recovered = self.places * (self.extension.degrees[0] + 1)
+        own += recovered * both * (1 + self.coast) + self.corners * normal
         return WORD * blocks * (own + 3 * self.coast * normal * both)
 
 

@@ -83,7 +83,7 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
     @cached_property
     def meshes(self) -> tuple[GearMesh, ...]:
         """Gear meshes, in the frames and mirror images of the pairing."""
-        images = tuple(_in_mirror_image(body) for body in self.bodies)
+        images = [replace(body, axial=body.axial.in_mirror_image()) for body in self.bodies]
         found = []
         for m, (mesh, slices) in enumerate(zip(self.pairing.meshes, self.slices, strict=True)):
             bodies = images if self.pairing.is_image(m) else self.bodies
@@ -126,11 +126,6 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
             level=scene.effects.contact,
             coupled=scene.effects.mesh_coupling,
         )
-
-
-def _in_mirror_image(body: Body) -> Body:
-    """A body with width in the mirror image of a transverse plane."""
-    return body if body.axial.plane else replace(body, axial=body.axial.in_mirror_image())
 
 
 def bodies_of_meshes(

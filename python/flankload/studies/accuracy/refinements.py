@@ -45,38 +45,57 @@ FINEST_MODES, FINEST_ZONE = 8, 3.0
 #: Steps of the elements in three dimensions, relative to the default; coarse bodies.
 SPATIAL_STEPS = 3
 COARSE: dict[str, Any] = {name: STEPS[name].coarse for name in (MODES, DEGREE, LOAD_DEGREE, SLICES)}
-#: Possible limits of the finest discretization, finest first: elements and positions relative to
-#: the default, all else as it is.
+#: Limits of a discretization by parameter: elements and positions relative to the default, all else
+#: as it is.
 Fineness = Mapping[str, float]
-FINEST: tuple[Fineness, ...] = tuple(
-    {"flank_element_mm": part, "strips_per_half_width": strips, "count": positions}
-    for part, strips, positions in ((0.125, 40, 4), (0.25, 40, 4), (0.25, 20, 2), (0.5, 20, 2))
+
+
+@dataclass(frozen=True)
+class Finest:
+    """Possible limits of the finest discretization, finest first.
+
+    Among the steps of parameters are as many `solutions` with its elements.
+    """
+
+    limits: tuple[Fineness, ...]
+    solutions: float
+
+
+FINEST = Finest(
+    tuple(
+        {"flank_element_mm": part, "strips_per_half_width": strips, "count": positions}
+        for part, strips, positions in ((0.125, 40, 4), (0.25, 40, 4), (0.25, 20, 2), (0.5, 20, 2))
+    ),
+    1.5,
 )
 SPATIAL_KEYS = (
     *("flank_element_mm", "axial_degree", "load_degree_z"),
     *("strips_per_half_width", "count"),
 )
-SPATIAL_FINEST: tuple[Fineness, ...] = tuple(
-    dict(zip(SPATIAL_KEYS, limits, strict=True))
-    for limits in ((0.5, 12, 8, 24, 4), (0.5, 10, 6, 24, 4), (1.0, 10, 6, 12, 2))
+SPATIAL_FINEST = Finest(
+    tuple(
+        dict(zip(SPATIAL_KEYS, limits, strict=True))
+        for limits in ((0.5, 12, 8, 24, 4), (0.5, 10, 6, 24, 4), (1.0, 10, 6, 12, 2))
+    ),
+    3.5,
 )
 #: Part of the budget for the steps of parameters; number of runs at the finest cells and positions
-#: among them, and number of solutions with the finest elements, in the plane and with their degrees
-#: along the axis.
-LADDERS_PART, LADDER_SWEEPS, LADDER_ELEMENTS, LADDER_DEGREES = 0.6, 20.0, 1.5, 3.5
+#: among them.
+LADDERS_PART, LADDER_SWEEPS = 0.6, 20.0
 
 
 @dataclass(frozen=True)
 class Refinements:
     """Steps of each parameter of a scene by the names of `NamedDiscretization`, coarse steps first.
 
-    `base` has the default parameters, named explicitly; `can_adapt`: whether adaptive positions are
-    possible.
+    `base` has the default parameters, named explicitly; `possible`: limits of the finest ones;
+    `can_adapt`: whether adaptive positions are possible.
     """
 
     ladders: dict[str, tuple[float, ...]]
     base: NamedDiscretization
     finest: NamedDiscretization
+    possible: Finest = FINEST
     can_adapt: bool = True
 
     @property
@@ -84,18 +103,13 @@ class Refinements:
         """Whether the bodies are three-dimensional."""
         return "slices" in self.ladders
 
-    @property
-    def limits(self) -> tuple[Fineness, ...]:
-        """Possible limits of the finest discretization."""
-        return SPATIAL_FINEST if self.spatial else FINEST
-
 
 def refinements_of(scene: Scene) -> Refinements:
     """All parameters of a scene with all steps.
 
     The finest discretization is the first of `FINEST`, or of `SPATIAL_FINEST`.
     """
-    steps, most, base = (_of_drive if scene.is_drive else _of_flanks)(scene)
+    steps, most, base, possible = (_of_drive if scene.is_drive else _of_flanks)(scene)
     length = base.flank_element_mm
     lengths, further = steps.pop("flank_element_mm"), steps
     ladders: dict[str, tuple[float, ...]] = {}
@@ -109,13 +123,13 @@ def refinements_of(scene: Scene) -> Refinements:
     if base.count is not None:
         counts = {round(base.count * part) for part in STEPS[COUNT].study if base.count * part >= 1}
         ladders["count"] = tuple(sorted(counts))
-    found = Refinements(ladders, base, base, can_adapt=not scene.is_drive)
-    return finest_within(found, found.limits[0])
+    found = Refinements(ladders, base, base, possible, can_adapt=not scene.is_drive)
+    return finest_within(found, possible.limits[0])
 
 
 #: Steps by parameter, element lengths relative to the default; the largest number of modes; the
-#: default, with the exact length of elements.
-_Of = tuple[dict[str, tuple[float, ...]], int, NamedDiscretization]
+#: default, with the exact length of elements; limits of the finest ones.
+_Of = tuple[dict[str, tuple[float, ...]], int, NamedDiscretization, Finest]
 
 
 def _of_flanks(scene: Scene) -> _Of:
@@ -133,14 +147,14 @@ def _of_flanks(scene: Scene) -> _Of:
         steps = {name: STEPS[name].study for name in (STRIPS, ZONE)}
         cells = {key: getattr(DEFAULT.grid, key) for key in steps}
         base = NamedDiscretization(**named, **cells)
-        return {ELEMENTS: STEPS[ELEMENTS].study, **steps}, most, base
+        return {ELEMENTS: STEPS[ELEMENTS].study, **steps}, most, base, FINEST
     steps = {name: STEPS[name].study for name in (DEGREE, LOAD_DEGREE, SLICES)}
     named |= zip(steps, (AXIAL_DEGREE, axial.LOAD_DEGREE, DEFAULT_SLICES), strict=True)
     if not effects_of(scene).lumped_contact:
         steps[STRIPS] = STRIPS_IN_SLICES
         named["strips_per_half_width"] = IN_SLICES.strips_per_half_width
     steps[ELEMENTS] = STEPS[ELEMENTS].study[:SPATIAL_STEPS]
-    return steps, most, NamedDiscretization("slices", **named)
+    return steps, most, NamedDiscretization("slices", **named), SPATIAL_FINEST
 
 
 def _of_drive(scene: Scene) -> _Of:
@@ -149,7 +163,7 @@ def _of_drive(scene: Scene) -> _Of:
         flank_element_mm=mechanism_of(scene).parameters(scene).element_mm,
         count=scene.positions.count if scene.positions.angles_deg is None else None,
     )
-    return {ELEMENTS: STEPS[ELEMENTS].study[:BELT_STEPS]}, 0, base
+    return {ELEMENTS: STEPS[ELEMENTS].study[:BELT_STEPS]}, 0, base, FINEST
 
 
 def finest_within(refinements: Refinements, fineness: Fineness) -> Refinements:
@@ -181,7 +195,7 @@ def affordable(
     """
     runs = CoarseRuns(scene)
     base, found = runs.price(scene_at(scene, refinements.base)), refinements
-    for fineness in refinements.limits:
+    for fineness in refinements.possible.limits:
         found = finest_within(refinements, fineness)
         finest = runs.price(scene_at(scene, found.finest))
         seconds = {
@@ -190,7 +204,7 @@ def affordable(
             if name in spent and base[name].cpu_s > 0.0
         }
         elements = sum(s for name, s in seconds.items() if name.startswith("compliance"))
-        solutions = elements * (LADDER_DEGREES if refinements.spatial else LADDER_ELEMENTS)
+        solutions = elements * refinements.possible.solutions
         states = seconds.get("sweep", 0.0) + seconds.get("tangent", 0.0)
         if solutions + LADDER_SWEEPS * states <= LADDERS_PART * budget_s:
             break

@@ -33,15 +33,40 @@ STICK = 5e6
 #: An iteration is the last one if its largest correction is below this part of the displacement;
 #: the default of CalculiX is 0.01, which leaves 0.05 % in the rotation.
 CORRECTION = 1e-5
-#: Elements of CalculiX: plane triangles of six nodes, wedges of 15.
-ELEMENT = {"strain": "CPE6", "stress": "CPS6", None: "C3D15"}
-#: For solid bodies the defaults of CalculiX but for the third number: contacts have their whole
-#: stiffness from the first increment, so that CalculiX does not append a second one.
-STIFF = "0.001, 0.1, 1, 60"
 #: Part of the nodes of a probe that is held, from one end.
 PROBE_HELD = 0.1
-#: Supports of solid bodies: body 1 turns about its axis alone, body 2 does not move.
-SOLID_SUPPORTS = ("HELD_1, 3, 3", "HELD_2, 1, 3")
+
+
+@dataclass(frozen=True)
+class Words:
+    """Lines of a kind of elements: their name in CalculiX, and data of their section.
+
+    Then supports, if they are not those of body 2 in its plane; further controls and prints of a
+    step.
+    """
+
+    element: str
+    section: tuple[str, ...] = ("1.",)
+    supports: tuple[str, ...] = ()
+    controls: tuple[str, ...] = ()
+    prints: tuple[str, ...] = ("*CONTACT PRINT", "CSTR")
+
+
+#: Lines of plane triangles of six nodes in plane strain and in plane stress, and of wedges of 15
+#: nodes. Of these, body 1 turns about its axis alone and body 2 does not move; the controls are the
+#: defaults of CalculiX but for the third number: contacts have their whole stiffness from the first
+#: increment, so that CalculiX does not append a second one.
+WORDS = {
+    "strain": Words("CPE6"),
+    "stress": Words("CPS6"),
+    None: Words(
+        "C3D15",
+        section=(),
+        supports=("HELD_1, 3, 3", "HELD_2, 1, 3"),
+        controls=("*CONTROLS, PARAMETERS=CONTACT", "0.001, 0.1, 1, 60"),
+        prints=(),
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -117,6 +142,11 @@ class Deck:
     friction: DeckFriction | None = None
     edges_mm: Floats | None = None
     width_mm: float = 1.0
+
+    @property
+    def words(self) -> Words:
+        """Lines of its kind of elements."""
+        return WORDS[self.plane]
 
     @property
     def layers(self) -> int:
@@ -209,7 +239,7 @@ def _lines(deck: Deck) -> Iterator[str]:
     yield from _contact(deck)
     if deck.friction is None:
         held = "AXIS_2, 1, 1" if by_axis else "HELD_2, 1, 2"
-        yield from ("*BOUNDARY", *((held,) if deck.plane else SOLID_SUPPORTS))
+        yield from ("*BOUNDARY", *(deck.words.supports or (held,)))
         yield from _step(deck)
     else:
         yield from _step(deck, f"AXIS_2, 1, 1, {_number(deck.friction.back_rad)}")
@@ -220,15 +250,14 @@ def _body(part: Part, z: int, deck: Deck, first_node: int, first_element: int) -
     yield "*NODE"
     for k, place in enumerate(part.nodes.tolist(), start=first_node):
         yield ", ".join([f"{k}", *map(_number, place), *["0."] * (3 - len(place))])
-    yield f"*ELEMENT, TYPE={ELEMENT[deck.plane]}, ELSET=BODY_{z}"
+    yield f"*ELEMENT, TYPE={deck.words.element}, ELSET=BODY_{z}"
     for k, row in enumerate((first_node + part.cells).tolist(), start=first_element):
         yield f"{k}, " + ", ".join(map(str, row))
     yield f"*MATERIAL, NAME=MATERIAL_{z}"
     yield "*ELASTIC"
     yield ", ".join(map(_number, (part.material.young_modulus_MPa, part.material.poisson_ratio)))
     yield f"*SOLID SECTION, ELSET=BODY_{z}, MATERIAL=MATERIAL_{z}"
-    if deck.plane:
-        yield "1."
+    yield from deck.words.section
 
 
 def _surfaces(deck: Deck, z: int, first_element: int) -> Iterator[str]:
@@ -307,8 +336,7 @@ def _contact(deck: Deck) -> Iterator[str]:
 def _step(deck: Deck, boundary: str | None = None) -> Iterator[str]:
     yield "*STEP, INC=1000" + (", NLGEOM" if deck.large_displacement else "")
     yield from ("*CONTROLS, PARAMETERS=FIELD", f", {CORRECTION:g}")
-    if not deck.plane:
-        yield from ("*CONTROLS, PARAMETERS=CONTACT", STIFF)
+    yield from deck.words.controls
     yield from ("*STATIC", "1., 1.")
     if boundary is not None:
         yield from ("*BOUNDARY", boundary)
@@ -317,8 +345,7 @@ def _step(deck: Deck, boundary: str | None = None) -> Iterator[str]:
     for slave, master in deck.contacts():
         yield f"*CONTACT PRINT, SLAVE={slave}, MASTER={master}"
         yield "CF"
-    if deck.plane:
-        yield from ("*CONTACT PRINT", "CSTR")
+    yield from deck.words.prints
     yield "*END STEP"
 
 
