@@ -23,7 +23,7 @@ UNITS = {
     "deg": "°", "K": "K", "J": "J", "W": "W", "s": "s", "rpm": "1/min", "kg_m3": "kg/m³",
 }  # fmt: skip
 _UNIT = "|".join(UNITS)
-AT_END = re.compile(f"_(?:({_UNIT})_per_({_UNIT})|per_({_UNIT})|({_UNIT}))$")
+AT_END = re.compile(f"_(?:({_UNIT})_per_({_UNIT})|per_({_UNIT})|({_UNIT}))(?=(?:\\[\\d+])?$)")
 #: Tables of a scene whose keys need no table before them.
 PLAIN_TABLES = ("pair", "load", "effects", "accuracy", "positions")
 #: Letters of a line of a label.

@@ -354,6 +354,7 @@ def test_a_front_by_comparing_all_pairs() -> None:
         ("pair.center_distance_mm", "center distance in mm"),
         ("body_1.profile_shift", "profile shift of body 1"),
         ("body_2.profile.tip_relief_um", "profile, tip relief of body 2 in µm"),
+        ("body_1.pitch_errors_um[3]", "pitch errors[3] of body 1 in µm"),
         ("stiffness_tangent_mean_N_per_um", "stiffness tangent mean in N/µm"),
         ("body_1.thermal_expansion_per_K", "thermal expansion of body 1 in 1/K"),
         ("root_stress_1.tension.stress_MPa", "root stress 1, tension, stress in MPa"),
