@@ -192,12 +192,20 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
             gap_by_misalignment(*angles, pressure_angle),
             gap_by_misalignment(angles[0], -angles[1], pressure_angle),
         )
-    graded = scene.effects.contact == "pairs"
+    return slices_of_mesh(scene, (one, two), misalignment)
+
+
+def slices_of_mesh(
+    scene: Scene, shapes: tuple[AxialShape, AxialShape], misalignment: tuple[float, float] = (0, 0)
+) -> Slices:
+    """Slices of a gear mesh of a scene; the only one of plane bodies."""
+    if shapes[0].plane:
+        return plane_slice(scene.pair.face_width_mm)
     return slices_of(
-        (one, two),
+        shapes,
         scene.accuracy.slices,
         misalignment,
-        graded=graded,
+        graded=scene.effects.contact == "pairs",
         line_load_mm=scene.accuracy.line_load_length_mm,
     )
 

@@ -14,7 +14,7 @@ from flankload.bodies.axial_shape import lead_of
 from flankload.bodies.carrier import carrier_compliance
 from flankload.contact.stage_supports import StageSupports
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.assembly import fillets_of
+from flankload.mechanisms.flank_pair.assembly import fillets_of, slices_of_mesh
 from flankload.mechanisms.scene_bodies import with_file_of
 from flankload.mechanisms.several.assembly import (
     MeshesAssembly,
@@ -24,7 +24,7 @@ from flankload.mechanisms.several.assembly import (
     positions_of_meshes,
 )
 from flankload.pairing.body_pair import BodyJob
-from flankload.pairing.slices import Slices, plane_slice, slices_of
+from flankload.pairing.slices import Slices
 from flankload.pairing.stage import StagePairing, repeating_pitches, stage_pairing
 from flankload.pairing.stage_errors import StageErrors, pin_displacements
 from flankload.scene.discretization import Discretization, choose_discretization
@@ -136,23 +136,12 @@ def _held(scene: Scene) -> Scene:
 
 def _slices(scene: Scene, bodies: tuple[Body, ...]) -> tuple[Slices, Slices]:
     """Slices of both kinds of mesh; the only one of a plane stage."""
-    if bodies[0].axial.plane:
-        only = plane_slice(scene.pair.face_width_mm)
-        return only, only
     sun, planet, ring = (body.axial for body in bodies)
     images = planet.in_mirror_image(), ring.in_mirror_image()
     if scene.stage is not None and scene.stage.planet_ring_flank is not None:
         lead = lead_of(scene.stage.planet_ring_flank)
         images = replace(images[0], lead=lead), images[1]
-    one, two = (
-        slices_of(
-            shapes,
-            scene.accuracy.slices,
-            graded=scene.effects.contact == "pairs",
-            line_load_mm=scene.accuracy.line_load_length_mm,
-        )
-        for shapes in ((sun, planet), images)
-    )
+    one, two = (slices_of_mesh(scene, shapes) for shapes in ((sun, planet), images))
     if planet.surface is not None and not np.array_equal(one.edges_mm, two.edges_mm):
         key = "profile_twist_um" if scene.planet.topography_file is None else "topography_file"  # type: ignore[union-attr]
         raise SceneError(

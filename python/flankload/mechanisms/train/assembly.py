@@ -9,6 +9,7 @@ import numpy as np
 
 from flankload.contact.train_supports import TrainErrors, TrainSupports
 from flankload.errors import SceneError
+from flankload.mechanisms.flank_pair.assembly import slices_of_mesh
 from flankload.mechanisms.scene_bodies import with_file_of
 from flankload.mechanisms.several.assembly import (
     MeshesAssembly,
@@ -18,7 +19,7 @@ from flankload.mechanisms.several.assembly import (
     positions_of_meshes,
 )
 from flankload.pairing.body_pair import BodyJob
-from flankload.pairing.slices import Slices, gap_by_misalignment, plane_slice, slices_of
+from flankload.pairing.slices import Slices, gap_by_misalignment
 from flankload.pairing.train import (
     NAMES,
     TrainPairing,
@@ -132,23 +133,13 @@ def _slices(
     scene: Scene, bodies: tuple[Body, ...], pairing: TrainPairing, opening: float
 ) -> tuple[Slices, ...]:
     """Slices of both meshes; the only one of a plane train."""
-    if bodies[0].axial.plane:
-        return (plane_slice(scene.pair.face_width_mm),) * len(pairing.meshes)
     found = []
     for m, mesh in enumerate(pairing.meshes):
         one, two = (bodies[pairing.tables[b]].axial for b in mesh.members)
         if pairing.is_image(m):
             one, two = one.in_mirror_image(), two.in_mirror_image()
-        found.append(
-            slices_of(
-                (one, two),
-                scene.accuracy.slices,
-                # z of half 2 of double helical gears counts in the other direction
-                (-opening if m else opening, 0.0),
-                graded=scene.effects.contact == "pairs",
-                line_load_mm=scene.accuracy.line_load_length_mm,
-            )
-        )
+        # z of half 2 of double helical gears counts in the other direction
+        found.append(slices_of_mesh(scene, (one, two), (-opening if m else opening, 0.0)))
     return tuple(found)
 
 
