@@ -21,7 +21,6 @@ from flankload.elasticity.finite_elements import (
 )
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
-from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import coast_nodes, loaded_edges
 from flankload.elasticity.recovered_ring import RecoveredRing
 
@@ -178,8 +177,7 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
     assert isinstance(mesh, SectorMesh)
     pitch = 2 * np.pi / mesh.teeth
     section = stiffness(mesh.nodes, mesh.cells, body.material, plane)
-    reactions = bore_reactions(mesh, section, body.material.young_modulus_MPa)
-    ring = RecoveredRing.of(section, mesh, reactions)
+    ring = RecoveredRing.of(section, mesh, body.material)
 
     def solve(forces: Floats) -> Floats:
         whole = forces.reshape(-1, 2)

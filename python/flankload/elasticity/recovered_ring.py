@@ -15,11 +15,12 @@ from flankload.base.blas_threads import one_blas_thread
 from flankload.elasticity.condensed_sector import CondensedSector, MeanMotion
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
+from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.sector_closure import ring_displacements
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
-    from flankload.bodies.body import SectorMesh
+    from flankload.bodies.body import Material, SectorMesh
     from flankload.elasticity.finite_elements import SectionStiffness
 
 
@@ -44,8 +45,9 @@ class RecoveredRing:
     reactions: tuple[Floats, Floats]
 
     @classmethod
-    def of(cls, section: SectionStiffness, mesh: SectorMesh, reactions: Floats) -> RecoveredRing:
-        """Condense a sector with reactions (N, u, n) on its bore."""
+    def of(cls, section: SectionStiffness, mesh: SectorMesh, material: Material) -> RecoveredRing:
+        """Condense a sector, with reactions on a bore whose mean motion is held."""
+        reactions = bore_reactions(mesh, section, material.young_modulus_MPa)
         recovery, count = Recovery(), reactions.shape[2]
         sector = condense_nodes(section, mesh, reactions, recovery=recovery)
         moved = recovery.under_loads(len(mesh.nodes), 0, count)

@@ -104,8 +104,31 @@ class FlankLoads(ABC):
         return self.coefficients(readings.swapaxes(1, 2)).swapaxes(1, 2)
 
 
+class PlaneLoads(FlankLoads):
+    """Unit loads on the flanks of a plane body.
+
+    Attributes
+    ----------
+    plane : {"strain", "stress"}
+    """
+
+    plane: str
+
+    def root_columns(self, fillets: RootFillets, flank: int, section: SectionStiffness) -> Floats:
+        """Strain (N, 2, r) along the free surface times E, in plane strain E/(1 - nu²)."""
+        modulus = self.body.material.young_modulus_MPa
+        if self.plane == "strain":
+            modulus /= 1 - self.body.material.poisson_ratio**2
+        strains = fillets.columns(flank, 2 * section.nodes)
+        return modulus * strains.reshape(section.nodes, 2, -1)
+
+    def roots(self, fillets: RootFillets, readings: Floats) -> RootResponse:
+        """Stress under unit loads."""
+        return RootResponse(fillets.points, readings)
+
+
 @dataclass(frozen=True, eq=False)
-class ModeLoads(FlankLoads):
+class ModeLoads(PlaneLoads):
     """Pressure modes on the flanks of a plane body.
 
     Attributes
@@ -155,14 +178,6 @@ class ModeLoads(FlankLoads):
         )
         return images.reshape(loads.shape), tooth
 
-    def root_columns(self, fillets: RootFillets, flank: int, section: SectionStiffness) -> Floats:
-        """Strain along the free surface times E, in plane strain E/(1 - nu²)."""
-        return _plane_stress(self.body, self.plane, fillets, flank, section)
-
-    def roots(self, fillets: RootFillets, readings: Floats) -> RootResponse:
-        """Stress under unit pressure modes."""
-        return RootResponse(fillets.points, readings)
-
     def coefficients(self, moments: Floats) -> Floats:
         """Mode coefficients from moments (k, r, …), along the second axis."""
         body, n = self.body, self.count
@@ -207,7 +222,7 @@ class ModeLoads(FlankLoads):
 
 
 @dataclass(frozen=True, eq=False)
-class NodeLoads(FlankLoads):
+class NodeLoads(PlaneLoads):
     """Unit forces at the nodes of a flank; the response includes the near field.
 
     Attributes
@@ -244,14 +259,6 @@ class NodeLoads(FlankLoads):
         found = [nodal_unit_loads(flank, self.nodes, along=each) for each in directions]
         return np.hstack(found).reshape(len(flank.nodes), 2, -1)
 
-    def root_columns(self, fillets: RootFillets, flank: int, section: SectionStiffness) -> Floats:
-        """Strain along the free surface times E, in plane strain E/(1 - nu²)."""
-        return _plane_stress(self.body, self.plane, fillets, flank, section)
-
-    def roots(self, fillets: RootFillets, readings: Floats) -> RootResponse:
-        """Stress under unit forces."""
-        return RootResponse(fillets.points, readings)
-
     def coefficients(self, moments: Floats) -> Floats:
         """The displacements at the nodes."""
         return moments
@@ -260,14 +267,3 @@ class NodeLoads(FlankLoads):
         """Count the unit forces; the response includes the near field and is unchanged."""
         assert self.body.mesh is not None
         account.count(unit_loads_nodal=response.shape[2] * len(self.body.mesh.flanks))
-
-
-def _plane_stress(
-    body: Body, plane: str, fillets: RootFillets, flank: int, section: SectionStiffness
-) -> Floats:
-    """Columns (N, 2, r) that read the stress in the roots of a plane body."""
-    modulus = body.material.young_modulus_MPa
-    if plane == "strain":
-        modulus /= 1 - body.material.poisson_ratio**2
-    strains = fillets.columns(flank, 2 * section.nodes)
-    return modulus * strains.reshape(section.nodes, 2, -1)

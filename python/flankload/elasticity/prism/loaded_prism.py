@@ -17,7 +17,6 @@ from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.loaded_body import coast_edges, node_widths, on_edges, ring_of
-from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import loaded_edges
 from flankload.elasticity.prism.prism import COMPONENTS
 from flankload.elasticity.recovered_ring import RecoveredRing
@@ -209,8 +208,7 @@ def loaded_prism(body: Body, prism: Prism) -> LoadedPrism:
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
     section = prism.section(mesh, body.material)
-    reactions = bore_reactions(mesh, section, body.material.young_modulus_MPa)
-    ring = RecoveredRing.of(section, mesh, reactions)
+    ring = RecoveredRing.of(section, mesh, body.material)
     nodes, whole, numbers = ring_of(mesh)
     basis_of = np.empty(len(nodes), dtype=np.int64)
     bases, basis_of[numbers] = section.functions.of_nodes(np.arange(len(mesh.nodes)))
