@@ -175,22 +175,9 @@ def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats],
     """Solver for the displacements of all nodes of a ring of equal sectors."""
     mesh = body.mesh
     assert isinstance(mesh, SectorMesh)
-    pitch = 2 * np.pi / mesh.teeth
     section = stiffness(mesh.nodes, mesh.cells, body.material, plane)
     ring = RecoveredRing.of(section, mesh, body.material)
-
-    def solve(forces: Floats) -> Floats:
-        whole = forces.reshape(-1, 2)
-        # in the frames of the sectors; forces on cuts act on left cuts
-        local = np.stack([turned(whole[row], -k * pitch) for k, row in enumerate(numbers)])
-        local[:, mesh.right_nodes] = 0.0
-        moved = ring.displacements(local.transpose(1, 2, 0))
-        found = np.empty_like(whole)
-        for k, row in enumerate(numbers):
-            found[row] = turned(moved[:, :, k], k * pitch)
-        return found.ravel()
-
-    return solve
+    return lambda forces: ring.in_body(forces.reshape(-1, 1, 2), numbers).ravel()
 
 
 def _whole_solver(body: Body, mesh: WholeMesh, plane: str) -> Callable[[Floats], Floats]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.blas_threads import one_blas_thread
+from flankload.base.rotation import turned
 from flankload.elasticity.condensed_sector import CondensedSector, MeanMotion
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
@@ -19,7 +20,7 @@ from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.sector_closure import ring_displacements
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats
+    from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import Material, SectorMesh
     from flankload.elasticity.finite_elements import SectionStiffness
 
@@ -56,6 +57,25 @@ class RecoveredRing:
         return cls(
             mesh, replace(sector, local=(), carried=(), mean=mean), recovery, (reactions, moved)
         )
+
+    def in_body(self, forces: Floats, numbers: Numbers) -> Floats:
+        """Displacements (M, a, c) of the nodes of the whole ring under forces (M, a, c) on them.
+
+        By axial function and component, in the frame of the body; `numbers` (z, N): node of the
+        whole ring for each node of each sector. Forces on cuts act on left cuts.
+        """
+        pitch = 2 * np.pi / self.mesh.teeth
+        local = forces[numbers]
+        local[:, self.mesh.right_nodes] = 0.0
+        for k, part in enumerate(local):
+            part[..., :2] = turned(part[..., :2], -k * pitch)
+        by_sector = local.reshape(*numbers.shape, -1).transpose(1, 2, 0)
+        moved = self.displacements(by_sector).transpose(2, 0, 1).reshape(local.shape)
+        found = np.empty_like(forces)
+        for k, (row, part) in enumerate(zip(numbers, moved, strict=True)):
+            found[row] = part
+            found[row, :, :2] = turned(part[..., :2], k * pitch)
+        return found
 
     def displacements(self, forces: Floats) -> Floats:
         """Displacements of all sectors under nodal forces (N, u, z), in the sectors' frames."""

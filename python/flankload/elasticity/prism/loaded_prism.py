@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
-from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.loaded_body import coast_edges, node_widths, on_edges, ring_of
@@ -24,6 +22,7 @@ from flankload.elasticity.recovered_ring import RecoveredRing
 if TYPE_CHECKING:
     from flankload.base.arrays import Cells, Flags, Floats, Numbers
     from flankload.bodies.body import Body
+    from flankload.elasticity.axial_basis import AxialBasis
     from flankload.elasticity.prism.prism import Prism
 
 #: Solid element of each plane element, by name in meshio.
@@ -149,25 +148,12 @@ class LoadedPrism:
         Components are in the section rotated with the helix, in the frame of the body;
         displacements are by node and function of z.
         """
-        mesh, count = self.mesh, self.prism.degree + 1
-        z, pitch = mesh.teeth, 2 * np.pi / mesh.teeth
-        axial = AxialBasis(self.prism.range_mm, self.prism.degree)
-        means = axial.means(spans_mm)
+        means = self.prism.axial.means(spans_mm)
         sector, nodes, shapes = self.on_flank(tooth, s_mm, coast)
-        local = force_N.copy()
-        for each in np.unique(sector).tolist():
-            own = sector == each
-            local[own, :2] = turned(force_N[own, :2], -each * pitch)
-        forces = np.zeros((len(mesh.nodes), z, count, COMPONENTS))
-        parts = np.einsum("na,nk,nc->nakc", shapes, means, local)
-        np.add.at(forces, (nodes, sector[:, None]), parts)
-        by_sector = forces.transpose(0, 2, 3, 1).reshape(len(mesh.nodes), -1, z)
-        moved = self.ring.displacements(by_sector).reshape(len(mesh.nodes), count, COMPONENTS, z)
-        found = np.empty((len(self.nodes), count, COMPONENTS))
-        for k, row in enumerate(self.numbers):
-            found[row] = moved[..., k]
-            found[row, :, :2] = turned(moved[:, :, :2, k], k * pitch)
-        return found
+        forces = np.zeros((len(self.nodes), self.prism.degree + 1, COMPONENTS))
+        parts = np.einsum("na,nk,nc->nakc", shapes, means, force_N)
+        np.add.at(forces, self.numbers[sector[:, None], nodes], parts)
+        return self.ring.in_body(forces, self.numbers)
 
     def fields(self, part: SolidPart, moved: Floats) -> tuple[Floats, Floats]:
         """Displacement (n, J, 3), mm, and stress (n, J, 6), MPa, at the points of a part.
