@@ -96,6 +96,8 @@ def test_counter_phase_shares_unevenly_without_any_error():
     assert error[2] > 0.1
     assert np.abs(found.sun_orbit_um).max() < NO_ORDER_UM
     assert found.mesh_load_factor.max() > 1.02
+    assert f"MPa on planet {found.summary['peak_pressure_pair']} at" in found.table()
+    assert "loaded planets" in found.table()
 
 
 def test_derivatives_to_errors_of_planets():

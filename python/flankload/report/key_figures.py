@@ -196,7 +196,7 @@ def _number(
     note = ""
     if place and result.summary.get(f"{place}_pair") is not None:
         pair, at = (result.summary[f"{place}_{what}"] for what in ("pair", "position_rad"))
-        note = f"pair {pair} at {degrees(at):.2f}°"
+        note = f"{result.words_for_sites[0]} {pair} at {degrees(at):.2f}°"
     return Cell(value, format(value, form), known, note)
 
 

@@ -104,7 +104,7 @@ def _footer(result: Result) -> Iterator[Line]:
     """Labels and texts of the lines below the rows."""
     summary = result.summary
     yield from _transmission_error_lines(result)
-    yield "loaded pairs", _loaded_pairs(result)
+    yield f"loaded {result.words_for_sites[1]}", _loaded_pairs(result)
     if summary["peak_pressure_pair"] is not None or summary["corner_pressure_pair"] is not None:
         yield "largest pressure", _largest_pressure(result)
     if result.drive is not None:
@@ -112,7 +112,7 @@ def _footer(result: Result) -> Iterator[Line]:
     yield from _contact_lines(result)
     for z in (1, 2):
         if f"root_stress_{z}" in summary and result.torque_Nm > 0:
-            yield f"root of body {z}", _root_stress(summary[f"root_stress_{z}"])
+            yield f"root of body {z}", _root_stress(result, summary[f"root_stress_{z}"])
     if result.friction is not None:
         yield "friction", _friction(result.friction)
     if "power_W" in summary:
@@ -197,21 +197,22 @@ def _range(summary: Mapping[str, Any], key: str) -> str:
     return f"{least}" if least == most else f"{least} to {most}"
 
 
-def _place(found: Mapping[str, Any], key: str = "") -> str:
-    """Pair and position of a largest value."""
-    return f"on pair {found[f'{key}pair']} at {degrees(found[f'{key}position_rad']):.3f} deg"
+def _place(result: Result, found: Mapping[str, Any], key: str = "") -> str:
+    """Pair, or another site, and position of a largest value."""
+    site, at = found[f"{key}pair"], degrees(found[f"{key}position_rad"])
+    return f"on {result.words_for_sites[0]} {site} at {at:.3f} deg"
 
 
 def _amplitudes(harmonics: list[float | None]) -> str:
     return " ".join("-" if a is None else f"{a:.3f}" for a in harmonics)
 
 
-def _root_stress(found: Any) -> str:
+def _root_stress(result: Result, found: Any) -> str:
     parts = []
     for name in ("tension", "compression"):
         extreme = found[name]
         parts.append(
-            f"{name} {extreme['stress_MPa']:.0f} MPa {_place(extreme)} "
+            f"{name} {extreme['stress_MPa']:.0f} MPa {_place(result, extreme)} "
             f"(radius {extreme['radius_mm']:.2f} mm, tangent {extreme['slant_deg']:.0f} deg"
             + (f", z {extreme['z_mm']:.2f} mm)" if "z_mm" in extreme else ")")
         )
@@ -227,7 +228,7 @@ def _contact_lines(result: Result) -> Iterator[Line]:
     if summary["peak_line_load_pair"] is not None and result.engagement.has_pressures:
         load = summary["peak_line_load_N_per_mm"]
         error = plus_minus(result.estimate, "peak_line_load")
-        text = f"up to {load:.1f} N/mm{error} {_place(summary, 'peak_line_load_')}"
+        text = f"up to {load:.1f} N/mm{error} {_place(result, summary, 'peak_line_load_')}"
         if "face_load_factor" in summary:
             error = plus_minus(result.estimate, "face_load_factor")
             text = f"K_Hbeta {summary['face_load_factor']:.3f}{error}, {text}"
@@ -238,7 +239,7 @@ def _contact_lines(result: Result) -> Iterator[Line]:
         sliding, body = summary["largest_sliding_mm_per_rad"], result.engagement.sliding_body
         yield "sliding", f"up to {sliding:.2f} mm per rad of {body}"
     if result.coast is not None:
-        yield "coast flanks", _coast_forces(summary)
+        yield "coast flanks", _coast_forces(result)
     elif summary["coast_flank_gap_min_um"] is not None:
         gap = summary["coast_flank_gap_min_um"]
         text = f"at least {gap:.1f} um apart under load"
@@ -249,12 +250,13 @@ def _contact_lines(result: Result) -> Iterator[Line]:
         yield "coast flanks", f"unknown: {geometry.coast_unknown or 'none face each other'}"
 
 
-def _coast_forces(summary: dict[str, Any]) -> str:
+def _coast_forces(result: Result) -> str:
+    summary = result.summary
     if summary["coast_force_pair"] is None:
         gap = summary["coast_flank_gap_min_um"]
         return "none carries" + ("" if gap is None else f", at least {gap:.1f} um apart")
     text = f"{_range(summary, 'coast_flanks_loaded')} carry, up to "
-    text += f"{summary['coast_force_N'] / 1e3:.3f} kN {_place(summary, 'coast_force_')}"
+    text += f"{summary['coast_force_N'] / 1e3:.3f} kN {_place(result, summary, 'coast_force_')}"
     if summary["coast_peak_pressure_pair"] is not None:
         text += f", {summary['coast_peak_pressure_MPa']:.0f} MPa"
     return text
@@ -265,7 +267,8 @@ def _largest_pressure(result: Result) -> str:
     if summary["peak_pressure_MPa"] is None:
         return f"none: {NO_VALUE['peak_pressure_MPa']} ({MARK})"
     error = plus_minus(result.estimate, "largest_pressure")
-    text = f"{summary['peak_pressure_MPa']:.0f} MPa{error} {_place(summary, 'peak_pressure_')}"
+    place = _place(result, summary, "peak_pressure_")
+    text = f"{summary['peak_pressure_MPa']:.0f} MPa{error} {place}"
     if summary["corner_pressure_pair"] is not None:
         text += f"; at sharp corners ({MARK}) no finite pressure exists"
     return text
