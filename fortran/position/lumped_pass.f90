@@ -10,7 +10,7 @@ module flankload_lumped_pass
     use flankload_error, only: error_type
     use flankload_contact_loop, only: contact_result, general_matrix, method_single, &
         & solve_contact_problem, symmetric_matrix
-    use flankload_lapack, only: potrf, solve_cholesky
+    use flankload_lapack, only: potrf, set_product, solve_cholesky
     use flankload_lumped_place, only: place_type
     use flankload_mesh, only: body_type, has_friction, mesh_type
     use flankload_motion_rows, only: closed_by_motions, rates_of, solve_motions
@@ -241,7 +241,7 @@ contains
         integer :: k, n
         real(wp) :: nearer
         real(wp), dimension(size(forces)) :: own, tilt, give, give_slope, moment, arm
-        real(wp), dimension(size(forces), size(forces)) :: slopes, added
+        real(wp), dimension(size(forces), size(forces)) :: slopes, given, square, added
 
         n = size(forces)
         associate (places => system%places(system%of))
@@ -264,9 +264,10 @@ contains
             arm = merge(0.0_wp, places%moment(1), through_origin) - give_slope*tilt
             do k = 1, n
                 added(:, k) = arm*slopes(:, k)
+                given(:, k) = give*slopes(:, k)
             end do
-            added = added + transpose(added) &
-                & - matmul(transpose(slopes), spread(give, 2, n)*slopes)
+            call set_product(n, n, n, slopes, given, n, square)
+            added = added + transpose(added) - square
             do k = 1, n
                 if (through_origin(k)) cycle
                 added(k, k) = added(k, k) + (places(k)%moment(2) - 0.5_wp*places(k)%give(2) &
