@@ -150,7 +150,7 @@ contains
                         table = strength*rectangle_field(across(one, one%s(1), other, &
                             & other%s(2)) + [(k*one%cell, k=0, n_distances(one, other) - 1)], &
                             & away, one%cell, lengths(1), lengths(2))
-                        call add_by_difference(one, other, table, matrix)
+                        call add_by_difference(one, other, .false., table, matrix)
                         cycle
                     end if
                     do j = other%first, other%last
@@ -235,22 +235,24 @@ contains
     end function n_distances
 
     !> Add influence coefficients that depend on the difference of both cell numbers.
-    pure subroutine add_by_difference(one, other, table, matrix)
+    pure subroutine add_by_difference(one, other, lower, table, matrix)
         !> Displaced cells and loaded cells
         type(run_type), intent(in) :: one
         type(run_type), intent(in) :: other
+        !> True for the lower triangle alone
+        logical, intent(in) :: lower
         !> Influence coefficients, beginning with that of the last loaded cell on the first
         !> displaced one
         real(wp), intent(in) :: table(:)
         !> Matrix, shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: j, k
+        integer :: i, j, k
 
         do j = other%first, other%last
-            k = other%last - j + 1
-            matrix(one%first:one%last, j) = matrix(one%first:one%last, j) &
-                & + table(k:k + one%last - one%first)
+            i = merge(max(j, one%first), one%first, lower)
+            k = other%last - j + 1 + i - one%first
+            matrix(i:one%last, j) = matrix(i:one%last, j) + table(k:k + one%last - i)
         end do
     end subroutine add_by_difference
 
@@ -279,7 +281,7 @@ contains
             call add_potentials(ends(k)%strength(one%line%side), first, one%cell, along_line(k, &
                 & one%line, other%line, ends), [one%line%length, other%line%length], table(from:))
         end do
-        call add_by_difference(one, other, table, matrix)
+        call add_by_difference(one, other, .true., table, matrix)
     end subroutine add_even
 
     !> Add the images behind free corners between two slices with cells of one width.
@@ -294,7 +296,7 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: j, k
+        integer :: i, j, k
         real(wp) :: first, step
         real(wp) :: table(n_distances(one, other))
 
@@ -310,7 +312,8 @@ contains
             call add_potentials(corners(k)%strength(one%line%side), first, step, along_line(1, &
                 & one%line, other%line, corners), [one%line%length, other%line%length], table)
             do j = other%first, other%last
-                associate (column => matrix(one%first:one%last, j), from => j - other%first)
+                i = max(j, one%first)
+                associate (column => matrix(i:one%last, j), from => i - one%first + j - other%first)
                     column = column + table(from + 1:from + size(column))
                 end associate
             end do

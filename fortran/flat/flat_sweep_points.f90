@@ -130,7 +130,8 @@ subroutine flankload_sweep_points(n_positions, n_torques, n_flanks, n_points_1, 
     call expect(error, all(ieee_is_finite(angles_1)), 'angles_1', 'finite numbers')
     call expect(error, all(ieee_is_finite(angles_2)), 'angles_2', 'finite numbers')
     call expect(error, all(ieee_is_finite(torques)), 'torques', 'finite numbers')
-    call expect(error, all(torques >= 0.0d0), 'torques', '0 or more')
+    call expect(error, all(merge(torques, 0.0d0, ieee_is_finite(torques)) >= 0.0d0), 'torques', &
+        & '0 or more')
     call expect_axes(error, axis_1, axis_2, turn, n_circles)
     call expect_points(error, '1', sizes_1, points_1, compliance_1)
     call expect_points(error, '2', sizes_2, points_2, compliance_2)

@@ -44,7 +44,8 @@ contains
         type(problem_type) :: problem
 
         call expect(error, all(ieee_is_finite(torques)), 'torques', 'finite numbers')
-        call expect(error, all(torques >= 0.0_wp), 'torques', '0 or more')
+        call expect(error, all(merge(torques, 0.0_wp, ieee_is_finite(torques)) >= 0.0_wp), &
+            & 'torques', '0 or more')
         call read_pair(n_sites, mesh, record_1, record_2, problem, error)
         call expect(error, all(known%n_pairs >= 0), 'n_known', '0 or more')
         call expect(error, all(known%n_pairs <= 0 .or. (known%first_pair >= 1 &

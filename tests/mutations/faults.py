@@ -118,7 +118,7 @@ _FORTRAN = (
         ("2, body_2%wedge_along)", "2, body_2%wedge)"),
         ("matrix(:, j) - pairs%friction(j)*along", "matrix(:, j) + pairs%friction(j)*along"),
     ),
-    *_in("cell_field.f90", "core", ("k = other%last - j + 1\n", "k = j - other%first + 1\n")),
+    *_in("cell_field.f90", "core", ("k = other%last - j + 1 + i", "k = j - other%first + 1 + i")),
     *_in(
         "shaft_influence.f90",
         "physics/test_friction_of_slices.py",
