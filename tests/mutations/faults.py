@@ -659,17 +659,17 @@ _PYTHON = (
         ('"qmabd,mbe->qmaed"', '"qmabd,meb->qmaed"'),
     ),
     *_in(
-        "elasticity/prism/loaded_prism.py",
+        "elasticity/loaded_body.py",
         "unit/export/test_solid_fields.py",
         ("twist * (y * by_x - x * by_y + about)", "twist * (y * by_x - x * by_y)"),
         ("by_y[..., 2] + along[..., 1],", "by_x[..., 2] + along[..., 1],"),
     ),
     *_in(
-        "mechanisms/flank_pair/loaded_bodies.py",
+        "mechanisms/loaded_bodies.py",
         "unit/export/test_solid_fields.py physics/test_roots_over_width.py",
-        ("-shape.twist_rad_per_mm * lever", "shape.twist_rad_per_mm * lever"),
+        ("-result.drawing.axial[0]", "result.drawing.axial[0]"),
         ("half = turned(half, 2.0 * turns)", "half = turned(half, turns)"),
-        ("-(angle + twist * z)", "-angle"),
+        ("-self._turns(z_mm)", "-self.turn_rad"),
     ),
     *_in(
         "elasticity/prism/flank_surface.py",
@@ -925,16 +925,15 @@ _PYTHON = (
         ("release(runs.study)", "pass"),
     ),
     *_in(
-        "mechanisms/flank_pair/loaded_bodies.py",
+        "mechanisms/loaded_bodies.py",
         "unit/export/test_fields.py",
-        ("*= -1.0 if coast else 1.0", "*= 1.0 if coast else -1.0"),
-        ("tables.append((result.coast.pair_tables[p], True))", "pass"),
+        ("-1.0 if contacts.coast else 1.0", "1.0 if contacts.coast else -1.0"),
         ("mean + half[..., 0], mean - half", "mean - half[..., 0], mean + half"),
     ),
     *_in(
         "elasticity/loaded_body.py",
         "unit/export/test_fields.py",
-        ("on_edges(s, s_mm[own])", "on_edges(s, s_mm[own] + 1.0)"),
+        ("on_edges(s, forces.s_mm[own])", "on_edges(s, forces.s_mm[own] + 1.0)"),
     ),
     *_in(
         "result/fmu/flankload_fmu.c",

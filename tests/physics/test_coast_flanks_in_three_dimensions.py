@@ -15,7 +15,7 @@ from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.compliance.body_compliance import no_compliance
 from flankload.elasticity.prism.prism import Prism
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from flankload.mechanisms.flank_pair.loaded_bodies import SolidBody, field_bodies
+from flankload.mechanisms.flank_pair.loaded_bodies import BodyOfPair, field_bodies
 from flankload.mechanisms.flank_pair.stages import contact_of
 from flankload.pairing.body_pair import BodyPair
 from tests.support.body_records import parts_of
@@ -192,7 +192,7 @@ def test_forces_on_both_flanks_balance_the_torque_and_reach_the_nodes() -> None:
     scene = tight("helical_gear", **keys, effects__friction_coefficient=0.1)
     result = result_of(scene)
     body = field_bodies(scene)["body_1"]
-    assert isinstance(body, SolidBody)
+    assert isinstance(body, BodyOfPair)
     assert result.coast is not None
     fields = body.at(result, 0)
     total = np.cross(fields.points_mm, fields.force_N).sum(axis=0)[2]

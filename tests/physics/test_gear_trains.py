@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.mechanisms.registry import mechanism_of
 from tests.support.planetary_stages import gear
 from tests.support.solving import solve
 from tests.support.tolerances import SOLVER
@@ -49,6 +50,15 @@ def train(
 def on_lines_of_action(found: fl.Result) -> np.ndarray:
     """(P,) Whether no mesh carries load on a corner."""
     return ~found.corner_contact.any(axis=1)
+
+
+def test_fields_of_an_idler_have_the_forces_of_both_meshes():
+    scene = train("idler", 20.0, 20, 33, 27, angles=[5.0], angle_deg=120.0, solved=False)
+    found = solve(scene)
+    for number, body in enumerate(mechanism_of(scene).fields_of_bodies(scene).values()):
+        fields, bearing = body.at(found, 0), found.train.bearing_force_N[0, number]
+        assert (fields.force_N * fields.displacement_mm).sum() > 0.0
+        np.testing.assert_allclose(fields.force_N.sum(axis=0)[:2], bearing, atol=0.1)
 
 
 @pytest.mark.parametrize("angle", [180.0, 120.0, 250.0])

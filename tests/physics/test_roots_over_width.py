@@ -15,7 +15,7 @@ from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.root_surface import root_surface_stress
-from flankload.mechanisms.flank_pair.loaded_bodies import SolidBody, field_bodies
+from flankload.mechanisms.flank_pair.loaded_bodies import BodyOfPair, field_bodies
 from tests.support.ring_bodies import gear
 from tests.support.solving import solve
 from tests.support.three_dimensional import HELICAL, MIRRORED, OTHER_HANDS, SMALL, tree_of
@@ -158,18 +158,17 @@ def test_stress_is_that_of_the_elements_under_the_forces_of_the_slices() -> None
     scene = fl.Scene.from_dict(tree_of(HELICAL, {**ROOTS, **MODES, "body_2__rigid": False}))
     result, body = solve(scene), field_bodies(scene)["body_1"]
     assert isinstance(result, fl.Result)
-    assert isinstance(body, SolidBody)
+    assert isinstance(body, BodyOfPair)
     stress, loaded = result.root_stress[0], body.loaded
     assert stress is not None
     p, s = np.unravel_index(stress.tension.stress_MPa.argmax(), stress.tension.stress_MPa.shape)
-    forces = body.forces(result, int(p))
-    moved = loaded.displacements(forces.tooth, forces.s_mm, forces.spans_mm, forces.force_N)
+    moved = loaded.displacements(body.forces(result, int(p)))
     nodes = root_fillets(loaded.body, "body_1").on_elements
     tooth = int(result.sites[s]) % len(loaded.numbers)
     own = moved[loaded.numbers[tooth][nodes.nodes]]
     own[..., :2] = turned(own[..., :2], -tooth * 2 * np.pi / len(loaded.numbers))
-    axial = AxialBasis(loaded.prism.range_mm, loaded.prism.degree)
-    columns = root_surface_stress(nodes, axial, axial, loaded.body.material, loaded.prism.twist)
+    axial = loaded.axial
+    columns = root_surface_stress(nodes, axial, axial, loaded.body.material, loaded.section.twist)
     found = (columns @ own.ravel()).reshape(-1, axial.count) @ axial.values(result.slice_z_mm).T
     wanted = stress.stress_MPa[p, s]
     assert found.max() == pytest.approx(wanted.max(), rel=FEW_MODES)

@@ -5,6 +5,7 @@ import pytest
 
 import flankload as fl
 from flankload.contact.meshes_contact import sweep_displaced
+from flankload.mechanisms.registry import mechanism_of
 from flankload.mechanisms.several.states import counted_work
 from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.modes import stage_modes
@@ -22,6 +23,8 @@ TURNED = 1e-11
 #: Change by a rotation of 20 um, which moves contacts along the flanks (measured 3e-5).
 MOVED = 1e-4
 KINDS = ("sun", "ring")
+#: Forces on edges of elements, which are chords of the flanks.
+FLANKS = 2e-3
 TILTING = {"pin_tilt_stiffness_Nm_per_mrad": 50}
 
 
@@ -419,3 +422,15 @@ def test_the_plane_section_of_a_helical_stage():
     assert section.stage.carrier is None
     plane = solve(section).transmission_error_um[0]
     assert plane == pytest.approx(stage().transmission_error_um[0], rel=0.1)
+
+
+def test_fields_of_all_bodies_are_in_equilibrium():
+    """Forces on the elements of a mesh's bodies are equal and opposite, on a common line."""
+    scene = fl.Scene.from_dict(wide(stage={"pin_tangential_errors_um": [20, 0, 0]}))
+    found, moments = solve(scene), []
+    for body in mechanism_of(scene).fields_of_bodies(scene).values():
+        fields = body.at(found, 0)
+        moments.append(np.cross(fields.points_mm, fields.force_N).sum(axis=0) / 1000.0)
+        assert (fields.force_N * fields.displacement_mm).sum() > 0.0
+    assert moments[0][2] == pytest.approx(-450.0, rel=FLANKS)
+    np.testing.assert_allclose(sum(moments), 0.0, atol=FLANKS * np.abs(moments[1]).max())

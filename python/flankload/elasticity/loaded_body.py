@@ -1,132 +1,246 @@
-"""Displacement and stress at all nodes of a body under forces on its flanks.
+"""Displacement and stress in a whole body under forces on its flanks.
 
-For a body of equal sectors, the stiffness of one sector is factorised, the cuts are solved by
-sector harmonics, and each sector requires one back substitution. Forces act on edges of elements,
-which do not resolve contacts that are narrower than an element.
+A ring of equal sectors is solved by `recovered_ring`, a whole mesh by its stored fronts. Forces act
+on edges of elements, which do not resolve contacts that are narrower than an element. A plane body
+has one constant function along its axis and is written as its section; a prism is written as layers
+of quadratic elements along the axis, enough for the degree of the displacements.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.base.rotation import turned
 from flankload.bodies.body import SectorMesh
+from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.fe_error import recovered_strains
-from flankload.elasticity.finite_elements import (
-    lame_parameters,
-    stiffness,
-)
+from flankload.elasticity.finite_elements import lame_parameters, stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.near_field import coast_nodes, loaded_edges
 from flankload.elasticity.recovered_ring import RecoveredRing
+from flankload.elasticity.whole_body import parts_of, ring_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
-    from flankload.base.arrays import Cells, Floats, Numbers
+    from flankload.base.arrays import Cells, Flags, Floats, Numbers
     from flankload.bodies.body import Body, WholeMesh
+    from flankload.elasticity.finite_elements import SectionStiffness
+    from flankload.elasticity.prism import Prism
+    from flankload.elasticity.whole_body import BodyPart
 
-#: Largest distance of matching fixed nodes on both cuts, over the size of the mesh.
-CUT_TOLERANCE = 1e-6
+
+@dataclass(frozen=True, eq=False)
+class PointForces:
+    """Forces (n, 3) at points of the flanks of a body, N.
+
+    Their frame is that of the body, rotated with the helix; `normal_N` (n,) are magnitudes of the
+    components normal to the flank, `s_mm` (n,) arc lengths on the flank of the elements, and
+    `spans_mm` (n, 2) the ends along the axis of the slice over which a force is uniform; `coast`
+    (n,) whether it acts on a coast flank.
+    """
+
+    tooth: Numbers
+    s_mm: Floats
+    spans_mm: Floats
+    force_N: Floats
+    normal_N: Floats
+    coast: Flags
+
+    @classmethod
+    def joined(cls, parts: Sequence[PointForces]) -> PointForces:
+        """All forces of several sets."""
+        names = [item.name for item in fields(cls)]
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+    @property
+    def flanks(self) -> list[tuple[int, bool]]:
+        """Tooth of each loaded flank, and whether it is a coast flank."""
+        return sorted(set(zip(self.tooth.tolist(), self.coast.tolist(), strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
 class LoadedBody:
-    """The factorised elements of a whole body, in its frame, for forces on its flanks.
+    """The condensed elements of a whole body, in its frame, for forces on its flanks.
 
     Attributes
     ----------
     body : Body
         From `Body.for_elements`.
+    section : SectionStiffness
+        Of the mesh of the body, with the functions of z of its nodes.
     plane : {"strain", "stress"}
+    axial : AxialBasis
+        Functions of z over the width of the teeth.
     nodes : (M, 2) array
-        Nodes of the whole body, mm, without duplicates on the cuts.
-    cells : ((kind, (E, k) array), ...)
-        Elements of the whole body.
+        Section of the whole body at z = 0, mm, without duplicate nodes on the cuts.
     numbers : (z, N) array
         Node of the whole body for each node of each sector; one row for a whole mesh.
+    parts : tuple of BodyPart
+        One for each width of regions.
     solve : callable
-        Nodal forces (2M,) per mm of width, N/mm -> displacements (2M,), mm.
+        Nodal forces (M, p + 1, c) by function of z and component -> displacements of that shape.
     """
 
     body: Body
+    section: SectionStiffness
     plane: str
+    axial: AxialBasis
     nodes: Floats
-    cells: Cells
     numbers: Numbers
+    parts: tuple[BodyPart, ...]
     solve: Callable[[Floats], Floats]
 
-    def nodal_forces(
-        self, tooth: Numbers, s_mm: Floats, force: Floats, *, coast: bool = False
-    ) -> Floats:
-        """Consistent nodal forces (2M,) of point forces (n, 2) on flanks, per mm of width.
+    @property
+    def cells(self) -> Cells:
+        """Elements of all parts, by index of the points of the parts in their order."""
+        found, first = [], 0
+        for part in self.parts:
+            found += [(kind, data + first) for kind, data in part.solids]
+            first += part.nodes.size * part.z_mm.size
+        return tuple(found)
 
-        In the frame of the body, on teeth (n,) from 0, at arc lengths (n,); forces beyond the
-        elements act on the last node. Coast flanks require involutes and equal sectors.
+    def displacements(self, forces: PointForces) -> Floats:
+        """Displacements (M, p + 1, 3) under forces on flanks, by node and function of z.
+
+        Components are in the section rotated with the helix, in the frame of the body. Forces
+        beyond the elements act on the last node. Coast flanks require involutes and equal sectors.
         """
-        total = np.zeros((len(self.nodes), 2))
-        for each in np.unique(tooth):
-            own = tooth == each
-            edges, s = self._edges(int(each), coast=coast)
-            at, shapes = on_edges(s, s_mm[own])
-            np.add.at(total, edges[at], shapes[:, :, None] * force[own][:, None, :])
-        return total.ravel()
+        components = self.section.components
+        on_nodes = np.zeros((len(self.nodes), self.axial.count, components))
+        nodes, shapes = self._at(forces)
+        means = self.axial.means(forces.spans_mm)
+        parts = np.einsum("na,nk,nc->nakc", shapes, means, forces.force_N[:, :components])
+        np.add.at(on_nodes, nodes, parts)
+        return np.pad(self.solve(on_nodes), ((0, 0), (0, 0), (0, 3 - components)))
 
     def flank_widths(self, tooth: int, *, coast: bool = False) -> tuple[Numbers, Floats]:
-        """Nodes (k,) of a flank, and the flank length (k,) of each, mm."""
-        return node_widths(*self._edges(tooth, coast=coast))
+        """Nodes (k,) of a flank, and the area (k,) of each per mm along z, mm."""
+        nodes, widths = node_widths(*self._edges(tooth, coast=coast))
+        if self.section.twist:
+            widths = widths * np.hypot(1.0, self.section.twist * self.body.normal_lever_mm)
+        return nodes, widths
 
-    def stress_MPa(self, moved: Floats) -> Floats:
-        """Stress (M, 4) at the nodes, averaged over elements: xx, yy, zz and xy, frame of the body.
+    def nodal(self, part: BodyPart, forces: PointForces) -> tuple[Floats, Floats]:
+        """Forces (n, J, 3) at the points of a part, N, and pressures (n, J) on its flanks, MPa."""
+        place = np.full(len(self.nodes), -1)
+        place[part.nodes] = np.arange(part.nodes.size)
+        nodes, shapes = self._at(forces)
+        at, along = place[nodes], part.shares(forces.spans_mm)
+        columns = np.column_stack([forces.force_N, forces.normal_N])
+        found = np.zeros((part.nodes.size, part.z_mm.size, 4))
+        parts = np.einsum("na,nj,nc->najc", shapes, along, columns)
+        np.add.at(found, at[at >= 0], parts[at >= 0])
+        area = np.full((part.nodes.size, 1), np.inf)
+        for tooth, coast in forces.flanks:
+            nodes, widths = self.flank_widths(tooth, coast=coast)
+            own = place[nodes]
+            area[own[own >= 0], 0] = widths[own >= 0]
+        levels = part.basis.width_mm * part.shares(np.array([part.basis.range_mm]))
+        return found[..., :3], found[..., 3] / (area * levels)
 
-        `moved`: displacements (2M,), mm.
+    def fields(self, part: BodyPart, moved: Floats) -> tuple[Floats, Floats]:
+        """Displacement (n, J, 3), mm, and stress (n, J, 6), MPa, at the points of a part.
+
+        In the section rotated with the helix, from the result of `displacements`. The stress xx,
+        yy, zz, xy, yz, xz is averaged over the elements of a node.
         """
-        strain = recovered_strains(self.nodes, self.cells, moved[:, None])
-        lame_lambda, lame_mu = lame_parameters(self.body.material, self.plane)
-        volume = lame_lambda * (strain[:, 0] + strain[:, 1])
-        xx, yy = (volume + 2 * lame_mu * strain[:, i] for i in range(2))
-        zz = np.zeros_like(xx)
-        if self.plane == "strain":
-            zz = self.body.material.poisson_ratio * (xx + yy)
-        return np.stack([xx, yy, zz, lame_mu * strain[:, 2]], axis=1)
+        bases, basis_of = self.section.functions.of_nodes(np.arange(self.section.nodes))
+        number = np.empty(len(self.nodes), dtype=np.int64)
+        number[self.numbers] = basis_of
+        own, number, z = moved[part.nodes], number[part.nodes], part.z_mm
+        v, by_z = (
+            np.einsum("njk,nkc->njc", np.stack(functions)[number], own)
+            for functions in zip(
+                *((basis.values(z), basis.derivatives(z)) for basis in bases), strict=True
+            )
+        )
+        places, twist = self.nodes[part.nodes], self.section.twist
+        columns = np.zeros((len(places), 2, v[0].size))
+        columns[:, 0] = v.reshape(len(places), -1)  # in x: e_xx and 2 e_xy are its derivatives
+        strains = recovered_strains(places, part.cells, columns.reshape(2 * len(places), -1))
+        slopes = strains.reshape(len(places), 3, *v.shape[1:])
+        by_x, by_y = slopes[:, 0], slopes[:, 2]
+        x, y = places.T[:, :, None, None]
+        about = np.stack([-v[..., 1], v[..., 0], np.zeros_like(v[..., 0])], axis=-1)
+        along = by_z + twist * (y * by_x - x * by_y + about)
+        normal = np.stack([by_x[..., 0], by_y[..., 1], along[..., 2]])
+        shear = np.stack(
+            [
+                by_y[..., 0] + by_x[..., 1],
+                by_y[..., 2] + along[..., 1],
+                by_x[..., 2] + along[..., 0],
+            ]
+        )
+        first, second = lame_parameters(self.body.material, self.plane)
+        stress = first * normal.sum(axis=0) + 2.0 * second * normal
+        if self.plane == "stress":
+            stress[2] = 0.0
+        return v, np.concatenate([stress, second * shear]).transpose(1, 2, 0)
+
+    def _at(self, forces: PointForces) -> tuple[Numbers, Floats]:
+        """Nodes (n, 3) of the edges at forces, and their shape functions there."""
+        nodes, shapes = np.empty((forces.tooth.size, 3), dtype=np.int64), np.empty((0, 3))
+        shapes = np.empty(nodes.shape)
+        for tooth, coast in forces.flanks:
+            own = (forces.tooth == tooth) & (forces.coast == coast)
+            edges, s = self._edges(tooth, coast=coast)
+            at, shapes[own] = on_edges(s, forces.s_mm[own])
+            nodes[own] = edges[at]
+        return nodes, shapes
 
     def _edges(self, tooth: int, *, coast: bool) -> tuple[Numbers, Floats]:
         """Nodes (m, 3) of the whole body on the edges of a flank, and their arc lengths."""
         mesh = self.body.mesh
         assert mesh is not None
         if not isinstance(mesh, SectorMesh):
-            flank = next(flank for flank in mesh.flanks if flank.tooth == tooth)
-            return loaded_edges(flank)
+            return loaded_edges(next(flank for flank in mesh.flanks if flank.tooth == tooth))
         edges, s = loaded_edges(mesh)
         if coast:
-            edges, of_sector = coast_edges(self.body, mesh, edges)
+            edges, of_sector = self._coast_edges
             tooth -= of_sector
         return self.numbers[tooth % mesh.teeth][edges], s
 
+    @cached_property
+    def _coast_edges(self) -> tuple[Numbers, int]:
+        """Edges of the coast flank in a sector (mirror images), and the number of its tooth."""
+        mesh, involute = self.body.mesh, self.body.involute
+        assert isinstance(mesh, SectorMesh)
+        assert involute is not None
+        edges, _ = loaded_edges(mesh)
+        nodes, place = np.unique(edges, return_inverse=True)
+        images, tooth = coast_nodes(mesh, nodes, involute.turn_rad)
+        return images[place.reshape(edges.shape)], tooth
 
-def coast_edges(body: Body, mesh: SectorMesh, edges: Numbers) -> tuple[Numbers, int]:
-    """Edges of the coast flank in a sector (mirror images), and the number of its tooth."""
-    assert body.involute is not None
-    nodes, place = np.unique(edges, return_inverse=True)
-    images, tooth = coast_nodes(mesh, nodes, body.involute.turn_rad)
-    return images[place.reshape(edges.shape)], tooth
 
+def loaded_body(
+    body: Body, plane: str = "strain", *, prism: Prism | None = None, width_mm: float = 1.0
+) -> LoadedBody:
+    """Condense the elements of an elastic body for forces on its flanks.
 
-def loaded_body(body: Body, plane: str) -> LoadedBody:
-    """Factorise the elements of a plane elastic body for forces on its flanks."""
+    `prism`: extent along the axis, of a body of equal sectors; without it, a plane body of a width.
+    """
     body = body.for_elements()
     mesh = body.mesh
     assert mesh is not None
+    if prism is not None:
+        assert isinstance(mesh, SectorMesh)
+        axial, section = prism.axial, prism.section(mesh, body.material)
+    else:
+        axial = AxialBasis((0.0, width_mm), 0)
+        section = replace(stiffness(mesh.nodes, mesh.cells, body.material, plane), functions=axial)
     if isinstance(mesh, SectorMesh):
         nodes, cells, numbers = ring_of(mesh)
-        return LoadedBody(body, plane, nodes, cells, numbers, _ring_solver(body, plane, numbers))
-    numbers = np.arange(len(mesh.nodes))[None]
-    solve = _whole_solver(body, mesh, plane)
-    return LoadedBody(body, plane, mesh.nodes, mesh.cells, numbers, solve)
+        solve = _ring_solver(section, body, numbers)
+    else:
+        nodes, cells, numbers = mesh.nodes, mesh.cells, np.arange(len(mesh.nodes))[None]
+        solve = _whole_solver(section, mesh)
+    parts = parts_of(cells, section)
+    return LoadedBody(body, section, plane, axial, nodes, numbers, parts, solve)
 
 
 def on_edges(s: Floats, places: Floats) -> tuple[Numbers, Floats]:
@@ -154,39 +268,22 @@ def node_widths(edges: Numbers, s: Floats) -> tuple[Numbers, Floats]:
     return nodes, np.asarray(np.bincount(place.ravel(), weights=parts.ravel()), dtype=float)
 
 
-def ring_of(mesh: SectorMesh) -> tuple[Floats, Cells, Numbers]:
-    """Nodes (M, 2) and elements of a whole ring, and numbers (z, N) of the nodes of its sectors."""
-    z, n = mesh.teeth, len(mesh.nodes)
-    pitch = 2 * np.pi / z
-    fixed = mesh.nodes[mesh.fixed_nodes]
-    apart = np.linalg.norm(turned(fixed, pitch)[:, None] - fixed, axis=2)
-    left, right = np.nonzero(apart < CUT_TOLERANCE * float(np.abs(mesh.nodes).max()))
-    left = np.concatenate([mesh.left_nodes, mesh.fixed_nodes[left]])
-    right = np.concatenate([mesh.right_nodes, mesh.fixed_nodes[right]])
-    own = np.setdiff1d(np.arange(n), right)
-    numbers = np.empty((z, n), dtype=np.int64)
-    numbers[:, own] = np.arange(z * own.size).reshape(z, own.size)
-    numbers[:, right] = np.roll(numbers, -1, axis=0)[:, left]
-    cells = tuple((kind, numbers[:, data].reshape(-1, data.shape[1])) for kind, data in mesh.cells)
-    return np.concatenate([turned(mesh.nodes[own], k * pitch) for k in range(z)]), cells, numbers
-
-
-def _ring_solver(body: Body, plane: str, numbers: Numbers) -> Callable[[Floats], Floats]:
+def _ring_solver(
+    section: SectionStiffness, body: Body, numbers: Numbers
+) -> Callable[[Floats], Floats]:
     """Solver for the displacements of all nodes of a ring of equal sectors."""
-    mesh = body.mesh
-    assert isinstance(mesh, SectorMesh)
-    section = stiffness(mesh.nodes, mesh.cells, body.material, plane)
-    ring = RecoveredRing.of(section, mesh, body.material)
-    return lambda forces: ring.in_body(forces.reshape(-1, 1, 2), numbers).ravel()
+    assert isinstance(body.mesh, SectorMesh)
+    ring = RecoveredRing.of(section, body.mesh, body.material)
+    return lambda forces: ring.in_body(forces, numbers)
 
 
-def _whole_solver(body: Body, mesh: WholeMesh, plane: str) -> Callable[[Floats], Floats]:
+def _whole_solver(section: SectionStiffness, mesh: WholeMesh) -> Callable[[Floats], Floats]:
     """Solver for the displacements of all nodes of a whole mesh."""
-    section, recovery = stiffness(mesh.nodes, mesh.cells, body.material, plane), Recovery()
-    condense_nodes(section, mesh, np.zeros((len(mesh.nodes), 2, 0)), recovery=recovery)
+    recovery, size = Recovery(), len(mesh.nodes)
+    condense_nodes(section, mesh, np.zeros((size, 2, 0)), recovery=recovery)
 
     def solve(forces: Floats) -> Floats:
-        kept, carried = recovery.reduced(forces.reshape(-1, 2, 1))
-        return recovery.displacements(kept, carried, len(mesh.nodes)).ravel()
+        kept, carried = recovery.reduced(forces.reshape(size, -1, 1))
+        return recovery.displacements(kept, carried, size).reshape(forces.shape)
 
     return solve

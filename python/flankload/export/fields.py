@@ -21,14 +21,13 @@ from flankload.scene.refusal import refuse
 from flankload.studies.tolerance import first_scene
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats
     from flankload.mechanisms.protocol import FieldsOfBody
 
 
 #: Name of the collection in each folder.
 COLLECTION = "loaded_pair.pvd"
 #: Patterns of the names of all files, of one torque and of several.
-OF_TORQUE = ("body_[12]_*.vtu", "planet_*.vtu", "contacts_*.vtu", COLLECTION)
+OF_TORQUE = ("body_[123]_*.vtu", "planet_*.vtu", "contacts_*.vtu", COLLECTION)
 NAMES = (*OF_TORQUE, *(f"torque_*_Nm/{name}" for name in OF_TORQUE))
 
 
@@ -42,13 +41,12 @@ def write_vtu(
     """Write the loaded bodies at each position, for ParaView.
 
     `loaded_pair.pvd` lists all files over the angle of body 1 in degrees. `body_1_0000.vtu`, …, of
-    a planetary stage also `planet_1_0000.vtu`, …, have
-    the elements of a whole body at position 0, in mm, undeformed, in the frame of the drawings,
-    with displacement_mm, stress_MPa (xx, yy, zz, xy, yz, xz), von_mises_MPa, contact_pressure_MPa
-    and contact_force_N of the nodes, in single precision: displacement and stress that the contact
-    forces of the result cause in the elements of the scene. `contacts_0000.vtu`, … have a line for
-    each contact cell, with pressure_MPa, force_N, gap_um and pair, as in `Result.pairs`. Several
-    torques have a folder each.
+    a planetary stage also `planet_1_0000.vtu`, …, have the elements of a whole body at position 0,
+    in mm, undeformed, in the frame of the drawings, with displacement_mm, stress_MPa (xx, yy, zz,
+    xy, yz, xz), von_mises_MPa, contact_pressure_MPa and contact_force_N of the nodes, in single
+    precision: displacement and stress that the contact forces of the result cause in the elements
+    of the scene. `contacts_0000.vtu`, … have a line for each contact cell, with pressure_MPa,
+    force_N, gap_um and pair, as in `Result.pairs`. Several torques have a folder each.
 
     Parameters
     ----------
@@ -158,14 +156,14 @@ def _fields_of(body: FieldsOfBody, result: Result, p: int) -> bytes:
     """Content of the file of a body at a position."""
     fields = body.at(result, p)
     values = {
-        "displacement_mm": _in_space(fields.displacement_mm),
-        "stress_MPa": _in_space(fields.stress_MPa, 6),
+        "displacement_mm": fields.displacement_mm,
+        "stress_MPa": fields.stress_MPa,
         "von_mises_MPa": fields.von_mises_MPa,
         "contact_pressure_MPa": fields.contact_pressure_MPa,
-        "contact_force_N": _in_space(fields.force_N),
+        "contact_force_N": fields.force_N,
     }
     return vtu_of(
-        _in_space(fields.points_mm),
+        fields.points_mm,
         body.cells,
         {name: field.astype(np.float32) for name, field in values.items()},
     )
@@ -190,8 +188,3 @@ def _contacts_of(tables: Sequence[PairTable]) -> bytes:
         {},
         {"pressure_MPa": [pressure], "force_N": [force], "gap_um": [gap], "pair": [pair]},
     )
-
-
-def _in_space(plane: Floats, count: int = 3) -> Floats:
-    """Components (n, count), the last ones 0 if there are fewer."""
-    return np.pad(plane, ((0, 0), (0, count - plane.shape[1])))

@@ -105,7 +105,7 @@ def elements_call(
             fillets=job.fillets,
             estimate=estimate,
             rim=job.rim,
-            prism=prism_of(own, scene) if effects.three_dimensions else None,
+            prism=prism_of(own, scene),
         ),
         sectors=scene.sectors,
         body_load=body_load if body_load is not None and body_load.needs_elements else None,
@@ -265,10 +265,12 @@ def account_errors_of_elements(
         clock.move(compliance.job.seconds, elements_stage(name), "estimate")
 
 
-def prism_of(body: Body, scene: Scene) -> Prism:
-    """Axial extension of a three-dimensional body, with the polynomial degrees of a scene."""
+def prism_of(body: Body, scene: Scene) -> Prism | None:
+    """Axial extension of a body, with the polynomial degrees of a scene; None in the plane."""
     from flankload.elasticity.prism import Prism
 
+    if not effects_of(scene).three_dimensions:
+        return None
     axial = body.axial
     degree, load_degree = degrees_of(scene.accuracy)
     return Prism(

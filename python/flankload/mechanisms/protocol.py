@@ -94,15 +94,15 @@ class NodalFields:
 
     Attributes
     ----------
-    points_mm : (M, 2) array; (M, 3) in three dimensions
-        Undeformed positions.
-    displacement_mm : array of that shape
+    points_mm : (M, 3) array
+        Undeformed positions, in the plane at z = 0.
+    displacement_mm : (M, 3) array
         Due to the contact forces; not to temperature, speed, a press fit or shafts.
-    stress_MPa : (M, 4) array; (M, 6)
-        xx, yy, zz, xy, then yz, xz; averaged over the elements of a node.
+    stress_MPa : (M, 6) array
+        xx, yy, zz, xy, yz, xz; averaged over the elements of a node.
     contact_pressure_MPa : (M,) array
         Normal force of a flank node divided by its area; 0 elsewhere.
-    force_N : array of the shape of the positions
+    force_N : (M, 3) array
         Consistent nodal forces of the contacts, over the face width.
     """
 

@@ -16,12 +16,13 @@ from flankload.bodies.involute.free_bore import with_free_bore
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.finite_elements import section_stiffness, stiffness
 from flankload.elasticity.fronts.condensation import condense_nodes
-from flankload.elasticity.loaded_body import loaded_body, ring_of
+from flankload.elasticity.loaded_body import loaded_body
 from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism import Prism
-from flankload.elasticity.prism.loaded_prism import loaded_prism
+from flankload.elasticity.recovered_ring import RecoveredRing
 from flankload.elasticity.sector_closure import close_ring, condense, uniform_response
+from flankload.elasticity.whole_body import ring_of
 from tests.support.plain_prism import product_loads, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.plane_stiffness import plane_stiffness
@@ -213,7 +214,7 @@ def test_fields_of_the_elements_are_those_of_the_compliance() -> None:
         [in_place(part.reshape(-1, 2, part.shape[-1]), loaded.numbers, t, size) for t in range(8)]
         for part in (loads, reactions)
     )
-    moved = loaded.solve(on_teeth[0].ravel())
+    moved = loaded.solve(on_teeth[0].reshape(-1, 1, 2)).ravel()
     found = np.array([load.ravel() @ moved for load in on_teeth])
     np.testing.assert_allclose(found, wanted, rtol=0, atol=CLOSURE * np.abs(wanted).max())
     means = rigid(on_bore).reshape(moved.size, -1).T @ moved
@@ -228,7 +229,8 @@ def test_fields_of_a_prism_are_those_of_its_compliance(twist: float) -> None:
     loads, _, wanted = closed_prism(body.mesh, body.mode_range_mm, AXIAL, 0, twist)
     forces = np.zeros((*loads.shape[:2], 8))
     forces[..., 0] = loads[..., 0]
-    moved = loaded_prism(body, prism).ring.displacements(forces)
+    section = prism.section(body.mesh, body.material)
+    moved = RecoveredRing.of(section, body.mesh, body.material).displacements(forces)
     found = np.einsum("nuf,nut->tf", loads, moved)
     np.testing.assert_allclose(found, wanted[:, :, 0], rtol=0, atol=CLOSURE * np.abs(wanted).max())
 

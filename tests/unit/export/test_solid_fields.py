@@ -16,19 +16,16 @@ from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import lame_parameters
+from flankload.elasticity.loaded_body import LoadedBody, PointForces, loaded_body
 from flankload.elasticity.near_field import logarithm_strength, mode_loads
 from flankload.elasticity.prism import Prism, flank_surface
 from flankload.elasticity.prism.flank_potential import projected_potential
-from flankload.elasticity.prism.loaded_prism import LoadedPrism, SolidPart, loaded_prism
 from flankload.elasticity.prism.root_surface import root_surface_stress
+from flankload.elasticity.recovered_ring import RecoveredRing
+from flankload.elasticity.whole_body import BodyPart
 from flankload.errors import SceneError
-from flankload.mechanisms.flank_pair.loaded_bodies import (
-    NodalFields,
-    SolidBody,
-    field_bodies,
-    in_world,
-    stress_in_world,
-)
+from flankload.mechanisms.flank_pair.loaded_bodies import BodyOfPair, field_bodies
+from flankload.mechanisms.loaded_bodies import NodalFields, in_world, stress_in_world
 from tests.support.made_up_result import made_up_result
 from tests.support.plane_sectors import STEEL
 from tests.support.ring_bodies import gear
@@ -55,14 +52,23 @@ def solved() -> tuple[fl.Scene, fl.Result]:
 
 
 @cache
-def bodies() -> tuple[SolidBody, ...]:
+def bodies() -> tuple[BodyOfPair, ...]:
     found = field_bodies(solved()[0]).values()
-    return tuple(body for body in found if isinstance(body, SolidBody))
+    return tuple(body for body in found if isinstance(body, BodyOfPair))
 
 
 @cache
 def fields(number: int) -> NodalFields:
     return bodies()[number].at(solved()[1], 0)
+
+
+def point_force(
+    tooth: int, s_mm: float, span_mm: tuple[float, float], force_N: np.ndarray
+) -> PointForces:
+    """A force (1, 3) on a working flank."""
+    size = np.linalg.norm(force_N, axis=1)
+    at = np.array([tooth]), np.array([s_mm]), np.array([span_mm])
+    return PointForces(*at, force_N, size, np.zeros(1, dtype=bool))
 
 
 def test_flanks_move_as_in_the_compliance_of_the_run() -> None:
@@ -75,7 +81,7 @@ def test_flanks_move_as_in_the_compliance_of_the_run() -> None:
     kernel = 0.5 * logarithm_strength(STEEL, "strain")
     inverse = np.linalg.inv(norms)
     wanted[0] += inverse @ (kernel * projected_potential(surface, n_s, 1)) @ inverse
-    loaded = loaded_prism(body, prism)
+    loaded = loaded_body(body, prism=prism)
     count, tooth = len(body.mesh.nodes), 2
     in_plane = mode_loads(body.mesh, body.mode_range_mm, n_s, twist=prism.twist)
     along = AxialBasis(prism.range_mm, prism.degree).load_vectors(1)
@@ -83,7 +89,8 @@ def test_flanks_move_as_in_the_compliance_of_the_run() -> None:
     loads = loads.reshape(count, -1, wanted.shape[1])
     forces = np.zeros((count, loads.shape[1], body.teeth))
     forces[..., tooth] = loads[..., 3]
-    found = inverse @ np.einsum("nup,nut->pt", loads, loaded.ring.displacements(forces))
+    ring = RecoveredRing.of(loaded.section, body.mesh, body.material)
+    found = inverse @ np.einsum("nup,nut->pt", loads, ring.displacements(forces))
     expected = wanted @ norms[:, 3]
     for k in range(body.teeth):
         np.testing.assert_allclose(
@@ -117,14 +124,13 @@ def test_the_pressure_on_flank_nodes_carries_the_force() -> None:
     _, result = solved()
     loaded, part = bodies()[0].loaded, bodies()[0].loaded.parts[0]
     pressure = fields(0).contact_pressure_MPa.reshape(part.nodes.size, -1)
-    nodes, widths = loaded.flank_widths()
     spacing = part.z_mm[1] / 3.0 - part.z_mm[0] / 3.0
     levels = np.where(np.arange(part.z_mm.size) % 2, 4.0 * spacing, 2.0 * spacing)
     levels[[0, -1]] = spacing
-    total = sum(
-        float(widths @ pressure[np.searchsorted(part.nodes, row[nodes])] @ levels)
-        for row in loaded.numbers
-    )
+    total = 0.0
+    for tooth in range(len(loaded.numbers)):
+        nodes, widths = loaded.flank_widths(tooth)
+        total += float(widths @ pressure[np.searchsorted(part.nodes, nodes)] @ levels)
     assert total == pytest.approx(result.site_force_N[0].sum(), rel=1e-12)
 
 
@@ -134,9 +140,9 @@ def test_roots_are_in_plane_stress_at_the_ends_and_nearly_in_plane_strain_betwee
 ) -> None:
     """E times the strain across the root line is the stress only where none acts along it."""
     body = build_involute_body(gear(), "body_1", flank_element_mm=3.0)
-    loaded, axial = loaded_prism(body, Prism((-7.0, 7.0), twist)), AxialBasis((-7.0, 7.0), 8)
+    loaded, axial = loaded_body(body, prism=Prism((-7.0, 7.0), twist)), AxialBasis((-7.0, 7.0), 8)
     force = np.array([[0.0, -1000.0, 0.0]])
-    moved = loaded.displacements(np.zeros(1, int), np.array([5.0]), np.array([[-7.0, 7.0]]), force)
+    moved = loaded.displacements(point_force(0, 5.0, (-7.0, 7.0), force))
     fillet = root_fillets(body, "body_1").on_elements
     own, at = moved[loaded.numbers[0, fillet.nodes]].ravel(), axial.values(np.array([-7.0, 0, 7]))
     stress, strained = (
@@ -154,7 +160,7 @@ def test_stress_follows_from_the_displacements_in_the_world() -> None:
     body, generator = bodies()[0], np.random.default_rng(2)
     loaded, angle = body.loaded, 0.7
     gradient = 1e-4 * generator.normal(size=(3, 3))
-    axial, twist = AxialBasis(loaded.prism.range_mm, 5), loaded.prism.twist
+    axial, twist = loaded.axial, loaded.section.twist
     x, weights = np.polynomial.legendre.leggauss(20)
     z = axial.range_mm[1] * x
     plane = np.broadcast_to(loaded.nodes[:, None], (len(loaded.nodes), z.size, 2))
@@ -185,7 +191,7 @@ def test_nodes_of_solids_are_in_the_order_of_vtk(kind: str) -> None:
     cells = ((kind, np.arange(len(points))[None]),)
     basis = AxialBasis((0.0, 4.0), 3)
     z = np.linspace(0.0, 4.0, 5)
-    part = SolidPart(np.arange(len(points)), cells, z, basis.values(z)[None], basis.values(z)[None])
+    part = BodyPart(np.arange(len(points)), cells, basis)
     ((_, solids),) = part.solids
     places = np.column_stack([np.repeat(points, 5, axis=0), np.tile(z, len(points))])[solids]
     assert len(solids) == 2
@@ -232,14 +238,15 @@ def test_results_of_a_plane_scene_are_refused() -> None:
 
 
 @cache
-def _webbed(twist: float) -> LoadedPrism:
+def _webbed(twist: float) -> LoadedBody:
     body = build_involute_body(
         gear(web_width_mm=5.0, rim_thickness_mm=6.0),
         "body_1",
         flank_element_mm=3.5,
         regions=("web",),
     )
-    return loaded_prism(body, Prism((-7.0, 7.0), twist, 5, 1, regions=(("web", (-2.5, 2.5)),)))
+    prism = Prism((-7.0, 7.0), twist, 5, 1, regions=(("web", (-2.5, 2.5)),))
+    return loaded_body(body, prism=prism)
 
 
 def test_a_web_and_its_rim_move_as_one() -> None:
@@ -247,7 +254,7 @@ def test_a_web_and_its_rim_move_as_one() -> None:
     one, two = loaded.parts
     assert {part.z_mm[-1] for part in (one, two)} == {7.0, 2.5}
     force = np.array([[100.0, -40.0, 20.0]])
-    moved = loaded.displacements(np.array([3]), np.array([4.0]), np.array([[-7.0, 0.0]]), force)
+    moved = loaded.displacements(point_force(3, 4.0, (-7.0, 0.0), force))
     shared, in_one, in_two = np.intersect1d(one.nodes, two.nodes, return_indices=True)
     assert shared.size
     v, _ = loaded.fields(two, moved)
@@ -259,13 +266,11 @@ def test_a_web_and_its_rim_move_as_one() -> None:
 
 def test_a_force_on_another_tooth_moves_it_alike() -> None:
     loaded, tooth = _webbed(0.01), 3
-    turn = tooth * 2 * np.pi / loaded.mesh.teeth
+    turn = tooth * 2 * np.pi / len(loaded.numbers)
     force = np.array([[100.0, -40.0, 20.0]])
     found = []
     for number, own in ((0, force), (tooth, in_world(force, np.array([turn])))):
-        moved = loaded.displacements(
-            np.array([number]), np.array([4.0]), np.array([[-7.0, 0.0]]), own
-        )
+        moved = loaded.displacements(point_force(number, 4.0, (-7.0, 0.0), own))
         row = moved[loaded.numbers[number]]
         found.append(in_world(row, np.full(row.shape[:2], -number * turn / tooth)))
     np.testing.assert_allclose(found[1], found[0], atol=SOLVER * np.abs(found[0]).max())

@@ -13,7 +13,6 @@ from flankload.mechanisms.flank_pair.data_sheet import data_sheet
 from flankload.mechanisms.flank_pair.description import describe
 from flankload.mechanisms.flank_pair.from_sweep import result_of
 from flankload.mechanisms.flank_pair.iso_6336 import with_iso_factor
-from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
 from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
 from flankload.mechanisms.flank_pair.prediction import predicted_work
 from flankload.mechanisms.flank_pair.premises import broken_by_geometry, broken_by_load
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from flankload.mechanisms.premises import Broken
-    from flankload.mechanisms.protocol import Mechanism
+    from flankload.mechanisms.protocol import FieldsOfBody, Mechanism
     from flankload.mechanisms.reuse import Parts
     from flankload.result import Result
     from flankload.scene import Scene
@@ -114,7 +113,12 @@ class FlankPair:
     mesh_files = staticmethod(files.mesh_files)
     compliance_files = staticmethod(files.compliance_files)
     record_files = staticmethod(record_files)
-    fields_of_bodies = staticmethod(field_bodies)
+
+    def fields_of_bodies(self, scene: Scene) -> Mapping[str, FieldsOfBody | str]:
+        """Both bodies with elements for the contact forces of results, or why there are none."""
+        from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
+
+        return field_bodies(scene)
 
 
 MECHANISM: Mechanism[BodyPair, Compliances, FlankStates] = FlankPair()

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.contact.meshes_contact import AnyContact, MeshesSweep
-    from flankload.mechanisms.protocol import ComplianceFile, Displaced, MeshFile
+    from flankload.mechanisms.protocol import ComplianceFile, Displaced, FieldsOfBody, MeshFile
     from flankload.mechanisms.several.assembly import Compliances
     from flankload.mechanisms.several.states import MeshesStates
     from flankload.result.result import Result
@@ -37,7 +37,7 @@ class SeveralMeshes(Generic[AssemblyT]):
     """Bodies in several gear meshes.
 
     Subclasses have `body_names`, `build`, `broken_by_geometry`, `loads` (what only this kind of
-    drive has in its result), `describe`, `data_sheet` and `fields_of_bodies`.
+    drive has in its result), `describe` and `data_sheet`.
     """
 
     body_names: tuple[str, ...]
@@ -71,6 +71,12 @@ class SeveralMeshes(Generic[AssemblyT]):
             loads = self.loads(scene, assembly, states.contact, found, meshes)
             results.append(result_of_meshes(scene, assembly, compliances, found, estimate, loads))
         return tuple(results)
+
+    def fields_of_bodies(self, scene: Scene) -> Mapping[str, FieldsOfBody | str]:
+        """Bodies with elements for the contact forces of results, or why there are none."""
+        from flankload.mechanisms.several.loaded_bodies import fields_of_bodies
+
+        return fields_of_bodies(scene, self.build(scene))
 
     def mesh_files(self, scene: Scene) -> Iterator[MeshFile]:
         """Meshes of the tables at position zero, each at the angle of its first body."""

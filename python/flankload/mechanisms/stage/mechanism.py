@@ -9,18 +9,14 @@ from flankload.mechanisms.several.mechanism import SeveralMeshes
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.description import data_sheet, describe
 from flankload.mechanisms.stage.from_states import loads_of_members
-from flankload.mechanisms.stage.loaded_bodies import fields_of_members
 from flankload.mechanisms.stage.modes import stage_modes
 from flankload.mechanisms.stage.premises import broken_by_geometry
 from flankload.mechanisms.stage.states import are_displaced, compliances_of, displaced_states
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from flankload.mechanisms.protocol import FieldsOfBody, Mechanism
+    from flankload.mechanisms.protocol import Mechanism
     from flankload.mechanisms.several.assembly import Compliances
     from flankload.mechanisms.several.states import MeshesStates
-    from flankload.scene import Scene
 
 
 class PlanetaryStage(SeveralMeshes[StageAssembly]):
@@ -36,10 +32,6 @@ class PlanetaryStage(SeveralMeshes[StageAssembly]):
     describe = staticmethod(describe)
     data_sheet = staticmethod(data_sheet)
     modes = staticmethod(stage_modes)
-
-    def fields_of_bodies(self, scene: Scene) -> Mapping[str, FieldsOfBody | str]:
-        """Sun, planets and ring with elements for the contact forces of results, or why not."""
-        return fields_of_members(scene, assemble(scene))
 
 
 MECHANISM: Mechanism[StageAssembly, Compliances, MeshesStates] = PlanetaryStage()

@@ -11,12 +11,9 @@ from flankload.mechanisms.train.from_states import loads_of_bodies
 from flankload.mechanisms.train.premises import broken_by_geometry
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from flankload.mechanisms.protocol import FieldsOfBody, Mechanism
+    from flankload.mechanisms.protocol import Mechanism
     from flankload.mechanisms.several.assembly import Compliances
     from flankload.mechanisms.several.states import MeshesStates
-    from flankload.scene import Scene
 
 
 class GearTrain(SeveralMeshes[TrainAssembly]):
@@ -29,10 +26,6 @@ class GearTrain(SeveralMeshes[TrainAssembly]):
     loads = staticmethod(loads_of_bodies)
     describe = staticmethod(describe)
     data_sheet = staticmethod(data_sheet)
-
-    def fields_of_bodies(self, scene: Scene) -> Mapping[str, FieldsOfBody | str]:
-        """No fields: the reason."""
-        return dict.fromkeys(NAMES, "this version has no fields of gear trains")
 
 
 MECHANISM: Mechanism[TrainAssembly, Compliances, MeshesStates] = GearTrain()

@@ -17,7 +17,7 @@ import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.bodies import Body, SectorMesh, WholeMesh
-from flankload.elasticity.loaded_body import ring_of
+from flankload.elasticity.whole_body import ring_of
 from flankload.meshes.plane_mesh import boundary_edges, jacobians
 
 if TYPE_CHECKING:
