@@ -520,3 +520,37 @@ def test_a_stage_in_a_mirror(contact):
         )
     largest = np.abs(plain.resultant).max(axis=(0, 1, 2))
     assert (np.abs(found.resultant * flip - plain.resultant) < TURNED * largest).all()
+
+
+@pytest.mark.parametrize("contact", ["lumped", "pairs"])
+def test_a_planet_is_at_the_end_of_its_clearance(contact):
+    """As one whose pin is displaced along the force; equal clearances turn the sun only."""
+    working = {"count": None, "angles_deg": [1.8]}
+    changes = {"positions": working, "effects": {"contact": contact}}
+    plain = stage(**changes)
+    equal = stage(**changes, stage={"pin_clearance_um": 20})
+    # both pressure angles are 20 degrees, so that the force is tangential
+    turned = 2.0 * 10.0 * np.cos(np.radians(20.0))
+    exact = LEVERS if contact == "lumped" else SQUARES
+    np.testing.assert_allclose(equal.planet_load_share, plain.planet_load_share, rtol=exact)
+    np.testing.assert_allclose(
+        equal.transmission_error_um - plain.transmission_error_um, turned, rtol=exact
+    )
+    loose = stage(**changes, stage={"pin_clearance_um": [30, 20, 20, 20], "floating": "none"})
+    late = stage(
+        **changes,
+        stage={"pin_tangential_errors_um": [-15, -10, -10, -10], "floating": "none"},
+    )
+    np.testing.assert_allclose(loose.planet_load_share, late.planet_load_share, rtol=exact)
+    assert loose.planet_load_share[0, 0] < 0.2
+
+
+def test_a_planet_with_much_clearance_carries_nothing():
+    """The three others hold a floating sun as a lever does: one of them carries nothing, too."""
+    keys = {"pin_clearance_um": [200, 20, 20, 20]}
+    touching, found = stage(positions=SMOOTH, load={"torque_Nm": [0, 50]}, stage=keys)
+    assert not found.status.any()
+    expected = np.tile([0.0, 0.5, 0.0, 0.5], (2, 1))
+    np.testing.assert_allclose(found.planet_load_share, expected, atol=1e-3)
+    turned = 2.0 * 10.0 * np.cos(np.radians(20.0))
+    np.testing.assert_allclose(touching.transmission_error_um, turned, rtol=SQUARES)

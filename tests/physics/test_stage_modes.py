@@ -17,6 +17,7 @@ from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from tests.support.planetary_stages import four, scene_of
 from tests.support.stage_paths import StagePaths
+from tests.support.stages_with_width import wide
 from tests.support.tolerances import ROUND_OFF
 
 #: The table has one decimal.
@@ -143,6 +144,23 @@ def test_modes_of_a_stage(monkeypatch):
     assert other.frequencies_Hz[1] < found.frequencies_Hz[0]
 
 
+def test_modes_of_a_stage_with_width(monkeypatch):
+    """Between those of plane strain and plane stress, as its stiffness is."""
+    monkeypatch.setattr("flankload.mechanisms.stage.modes.POSITIONS", 3)
+    keys = {"pin_stiffness_N_per_um": 300, "sun_inertia_kg_m2": 0.001, "planet_mass_kg": 0.25}
+    keys |= {"planet_inertia_kg_m2": 1e-4, "sun_mass_kg": 0.6}
+    [found] = fl.natural_modes(fl.Scene.from_dict(wide(0.0, stage=keys)))
+    plane = scene_of(
+        stage={**keys, "planets": 3}, load={"torque_Nm": 450}, effects={"tip_contact": False}
+    )
+    strain, stress = (
+        fl.natural_modes(plane.replace({"accuracy.plane": state}))[0].frequencies_Hz
+        for state in ("strain", "stress")
+    )
+    assert (found.frequencies_Hz < 1.005 * strain).all()
+    assert (found.frequencies_Hz > 0.995 * stress).all()
+
+
 def test_rigid_pins_are_very_stiff_ones():
     system = published(4)
     at_rest = (*system.supports[:2], Support(inf, 0.0))
@@ -175,6 +193,10 @@ def test_the_mass_of_a_disc():
         (
             {"stage": {"floating": "carrier"}},
             "stage.carrier_mass_kg: expected a value for modes, with stage.floating = 'carrier'",
+        ),
+        (
+            {"stage": {"pin_clearance_um": 20}},
+            "stage.pin_clearance_um: expected nothing for modes, in which planets are on springs",
         ),
     ],
 )

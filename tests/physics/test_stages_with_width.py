@@ -8,7 +8,6 @@ from flankload.contact.meshes_contact import sweep_displaced
 from flankload.mechanisms.registry import mechanism_of
 from flankload.mechanisms.several.states import counted_work
 from flankload.mechanisms.stage.assembly import NAMES, assemble
-from flankload.mechanisms.stage.modes import stage_modes
 from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from flankload.mechanisms.toggles import toggled
@@ -90,6 +89,24 @@ def test_statics_of_a_helical_stage(contact):
     np.testing.assert_allclose(
         loads.planet_tilt_urad, loads.planet_moment_Nm * 1000 / 50, rtol=SOLVER
     )
+
+
+def test_bearings_carry_forces_and_moments_of_planets():
+    """A linear distribution with their resultants; one pin displaced along its force is late."""
+    loose = {**TILTING, "pin_clearance_um": [10, 0, 0], "pin_bearing_width_mm": 16}
+    found = stage(stage={**loose, "floating": "none"})
+    at_ends, width = found.stage.pin_line_force_N_per_mm, 16.0
+    forces = found.stage.pin_force_N
+    np.testing.assert_allclose(at_ends.mean(axis=2) * width, forces, atol=LEVERS)
+    (x, y), (about_x, about_y) = (
+        np.moveaxis(part, -1, 0)
+        for part in (at_ends[:, :, 1] - at_ends[:, :, 0], 1000 * found.stage.planet_moment_Nm)
+    )
+    np.testing.assert_allclose(x * width**2 / 12, about_y, rtol=LEVERS)
+    np.testing.assert_allclose(y * width**2 / 12, -about_x, rtol=LEVERS)
+    assert found.summary["pin_line_force_max_N_per_mm"] == np.hypot(*at_ends.T).max()
+    late = {**TILTING, "pin_tangential_errors_um": [-5, 0, 0], "floating": "none"}
+    np.testing.assert_allclose(found.load_share, stage(stage=late).load_share, rtol=MOVED)
 
 
 def _columns(table):
@@ -406,11 +423,6 @@ def test_designs_of_a_helical_stage_share_their_positions():
     radius = assembly.bodies[0].reference_radius_mm
     for (sweep,), one in zip(found, alone, strict=True):
         np.testing.assert_allclose(1000 * radius * sweep.whole.rotation_rad, one, rtol=1e-8)
-
-
-def test_modes_of_a_stage_with_width_are_refused():
-    with pytest.raises(fl.SceneError, match=r"effects\.dimension: expected nothing for modes"):
-        stage_modes(fl.Scene.from_dict(wide()))
 
 
 def test_the_plane_section_of_a_helical_stage():

@@ -16,6 +16,7 @@ from flankload.contact.body_record import (
     packed_mesh,
     packed_parts,
 )
+from flankload.contact.clearances import settled
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.mesh_sweeps import states_of_torque, sweeps_of_meshes, with_rotations
 from flankload.contact.meshes import (
@@ -63,6 +64,9 @@ class Supports(Protocol):
 
     def compliances(self, pairing: Any) -> Floats:
         """(B, 6, B, 6) Motions of the bodies on springs by forces and moments."""
+
+    def play(self, pairing: Any) -> Floats:
+        """(B, 2) Displacements of the bodies in their clearances under forces along the normals."""
 
     def motions(self, pairing: Any) -> tuple[Motion, ...]:
         """Motions without springs; the first one is the rotation of body 1."""
@@ -322,35 +326,48 @@ def sweep_displaced(
     before. Torques are positive, or the contacts lumped and all torques 0.
     """
     torques = np.asarray(torques_Nmm, dtype=float)
+    play, n = contacts[0].supports.play(contacts[0].pairing), len(contacts)
+    if play.any() and torques.size > 1:
+        each = [
+            sweep_displaced(contacts, position_rad, [t], keep_pairs=keep_pairs, account=account)
+            for t in torques_Nmm
+        ]
+        return tuple(tuple(part[k][0] for part in each) for k in range(n))
     problem = meshes_problem(contacts[0], position_rad, torques_Nmm)
     bodies, meshes, motions, angles, loads, moved = problem
-    n = len(contacts)
     others = [one.errors.displacements(one.pairing, position_rad) for one in contacts[1:]]
     displacements = np.stack([moved, *others], axis=1).reshape(-1, *moved.shape[1:])
-    found = solve_meshes(
-        bodies,
-        meshes,
-        motions,
-        np.repeat(angles, n, axis=0),
-        loads,
-        displacements,
-        keep_pairs=keep_pairs,
-    )
-    if account is not None:
-        sums = found.counters.sum(axis=(0, 1), dtype=np.int64).tolist()
-        account.count(states=found.status.size, **dict(zip(CORE_COUNTERS, sums, strict=True)))
-    raise_first_failure(
-        found.status,
-        np.repeat(position_rad, n),
-        torques,
-        found.certificate.transpose(2, 0, 1),
-        has_friction=False,
-    )
+
+    def solved(in_clearances: Floats) -> MeshStates:
+        known = displacements.copy()
+        known[..., :2] += in_clearances
+        found = solve_meshes(
+            bodies,
+            meshes,
+            motions,
+            np.repeat(angles, n, axis=0),
+            loads,
+            known,
+            keep_pairs=keep_pairs,
+        )
+        if account is not None:
+            sums = found.counters.sum(axis=(0, 1), dtype=np.int64).tolist()
+            account.count(states=found.status.size, **dict(zip(CORE_COUNTERS, sums, strict=True)))
+        raise_first_failure(
+            found.status,
+            np.repeat(position_rad, n),
+            torques,
+            found.certificate.transpose(2, 0, 1),
+            has_friction=False,
+        )
+        return found
+
+    found, play = settled(solved, np.broadcast_to(play, (len(displacements), *play.shape)))
     if not torques.any():
         found = found.without_forces()
     return tuple(
         tuple(
-            _sweep_of(one, of_one, t, float(torque))
+            _sweep_of(one, of_one, t, float(torque), play[k::n])
             for of_one in [found if n == 1 else found.at(slice(k, None, n))]
             for t, torque in enumerate(torques)
         )
@@ -358,8 +375,10 @@ def sweep_displaced(
     )
 
 
-def _sweep_of(contact: AnyContact, found: MeshStates, t: int, torque_Nmm: float) -> MeshesSweep:
-    """States under the torque with this index."""
+def _sweep_of(
+    contact: AnyContact, found: MeshStates, t: int, torque_Nmm: float, play_mm: Floats
+) -> MeshesSweep:
+    """States under the torque with this index; `play_mm` (P, B, 2): places in clearances."""
     pairing, pairs, motions = contact.pairing, found.pairs[t], found.motion[:, t]
     # on body 1 of each mesh, if all meshes of the first table carry the same
     share = torque_Nmm / pairing.paths
@@ -371,6 +390,7 @@ def _sweep_of(contact: AnyContact, found: MeshStates, t: int, torque_Nmm: float)
         resultants = resultants.copy()
         resultants[..., :2] = turned(resultants[..., :2], turn_rad)
     places = _places(contact, motions, turn_rad) + _on_supports(contact, resultants, meshes)
+    places[..., :2] += play_mm
     rows = pairing.rows(contact.base_radii_mm)
     radii = [contact.base_radii_mm[pairing.tables[mesh.members[0]]] for mesh in pairing.meshes]
     meshes = with_rotations(meshes, np.einsum("mbk,pbk->pm", rows, places) / radii)

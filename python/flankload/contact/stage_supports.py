@@ -41,6 +41,8 @@ class StageSupports:
         sun and ring); None if they do not tilt.
     carrier : (n, 6, n, 6) array or None
         Motions of the pins in an elastic carrier under forces and moments on all of them.
+    play_mm : tuple of n float
+        Largest displacement of each planet on its pin from the middle; empty without clearance.
     """
 
     floating: Floating = "none"
@@ -50,6 +52,7 @@ class StageSupports:
     sun_load_N: tuple[float, float] = (0.0, 0.0)
     tilt_Nmm_per_rad: tuple[Pair, Pair, Pair] = (None, None, None)
     carrier: Floats | None = None
+    play_mm: tuple[float, ...] = ()
 
     def carried(self, pairing: StagePairing) -> range:
         """The planets on an elastic carrier."""
@@ -75,6 +78,15 @@ class StageSupports:
             found[b, :, b] = compliance
         if self.carrier is not None:
             found[1:-1, :, 1:-1] += self.carrier
+        return found
+
+    def play(self, pairing: StagePairing) -> Floats:
+        """(n + 2, 2) Displacements of the bodies in their clearances, along the normal forces."""
+        found = np.zeros((pairing.count + 2, 2))
+        if any(self.play_mm):
+            both = -pairing.rows((1.0, 1.0, 1.0))[:, 1:-1, :2].sum(axis=0)
+            along = both / np.hypot(*both.T)[:, np.newaxis]
+            found[1:-1] = np.array(self.play_mm)[:, np.newaxis] * along
         return found
 
     def motions(self, pairing: StagePairing) -> tuple[Motion, ...]:

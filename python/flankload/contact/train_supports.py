@@ -71,6 +71,10 @@ class TrainSupports:
         found[:2, :, :2] = np.einsum("hxa,x,kxb->hakb", halves, own, halves)
         return found
 
+    def play(self, pairing: TrainPairing) -> Floats:
+        """(B, 2) Displacements of the bodies in their clearances: none."""
+        return np.zeros((len(pairing.tables), 2))
+
     def motions(self, pairing: TrainPairing) -> tuple[Motion, ...]:
         """Rotation of body 1 or of its halves, of an idler, displacement of a floating gear."""
         if pairing.is_double_helical:

@@ -148,6 +148,8 @@ def _of_contact(results: Sequence[Result]) -> Iterator[Figure]:
         yield f"face load factor of the meshes with the {kind}, largest", "K_Hβ", "", factor
     yield "tilt of a planet, largest", "", "µrad", _entry("planet_tilt_max_urad", ".4g")
     yield "largest force on a pin", "", "N", _entry("pin_force_max_N", ".4g")
+    line = _entry("pin_line_force_max_N_per_mm", ".4g")
+    yield "largest force on a pin per mm of its bearing", "", "N/mm", line
     yield "displacement of the sun, largest", "", "µm", _entry("sun_orbit_max_um", ".2f")
     rim = _entry("ring_deflection_max_um", ".2f", positive=True)
     yield "deflection of the rim of the ring, largest", "", "µm", rim

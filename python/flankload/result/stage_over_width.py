@@ -30,6 +30,10 @@ class StageLoadsOverWidth(StageLoads):
         Sum of the axial forces on each planet, which nearly cancel.
     planet_moment_Nm : (P, n, 2) array
         Moment of all contacts on each planet about x and y, in the middle of its face width.
+    pin_line_force_N_per_mm : (P, n, 2, 2) array
+        Force of each planet on its pin per mm of the bearing, at its ends of smaller and of larger
+        z, along x and y. Between both it changes linearly, as under a rigid bore on evenly elastic
+        rollers.
     planet_tilt_urad : (P, n, 2) array
         Rotation of each planet about x and y by its pin and the carrier, without errors of pins.
     sun_tilt_urad, ring_tilt_urad : (P, 2) arrays
@@ -42,6 +46,7 @@ class StageLoadsOverWidth(StageLoads):
     ring_axial_force_N: Floats = field(metadata={"P": "N"})
     planet_axial_force_N: Floats = field(metadata={"PS": "N"})
     planet_moment_Nm: Floats
+    pin_line_force_N_per_mm: Floats
     planet_tilt_urad: Floats
     sun_tilt_urad: Floats
     ring_tilt_urad: Floats
@@ -66,6 +71,9 @@ class StageLoadsOverWidth(StageLoads):
             "sun_axial_force_max_N": _largest(self.sun_axial_force_N),
             "ring_axial_force_max_N": _largest(self.ring_axial_force_N),
             "planet_moment_max_Nm": float(np.hypot(*_last_first(self.planet_moment_Nm)).max()),
+            "pin_line_force_max_N_per_mm": float(
+                np.hypot(*_last_first(self.pin_line_force_N_per_mm)).max()
+            ),
             "planet_tilt_max_urad": float(np.hypot(*_last_first(self.planet_tilt_urad)).max()),
         }
 

@@ -25,10 +25,12 @@ from flankload.scene.table import (
     BODIES,
     USUAL_ERRORS,
     USUAL_MODIFICATION,
+    USUAL_SIZE,
     Angle,
     Angles,
     Deviation,
     Force,
+    Length,
     Relief,
     Table,
     about,
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
 MOST_PLANETS, MOST_BOLTS = 30, 360
 Errors = tuple[Deviation, ...]
 Inclinations = tuple[Misalignment, ...]
+Clearances = Annotated[tuple[Relief, ...], Meta(min_length=1)]
 Stiffness = Annotated[float, Meta(ge=1e-6, le=1e9)]
 #: Radial and tangential. (msgspec crashes on tuple[float, float] in a union.)
 TwoStiffnesses = Annotated[tuple[Stiffness, ...], Meta(min_length=2, max_length=2)]
@@ -125,6 +128,24 @@ class Stage(Table, frozen=True, kw_only=True):
             "rigid",
             "N/um",
             usual=USUAL_STIFFNESS,
+        ),
+    ] = None
+    pin_clearance_um: Annotated[
+        Relief | Clearances,
+        about(
+            "clearance of the bearing of each planet on its pin, difference of the diameters: a "
+            "number, or one per planet",
+            "um",
+            usual=USUAL_ERRORS,
+        ),
+    ] = 0.0
+    pin_bearing_width_mm: Annotated[
+        Length | None,
+        about(
+            "length over which the bearing of a planet carries, in the middle of the planet; "
+            "absent = width of the planet",
+            "mm",
+            usual=USUAL_SIZE,
         ),
     ] = None
     pin_tangential_inclinations_um_per_mm: Annotated[
@@ -294,6 +315,13 @@ class Stage(Table, frozen=True, kw_only=True):
         return tuple(value / 1000.0 for value in values)
 
     @property
+    def play_mm(self) -> tuple[float, ...]:
+        """Largest displacement (n,) of each planet on its pin from the middle, mm."""
+        both = self.pin_clearance_um
+        every = both if isinstance(both, tuple) else (both,) * self.count
+        return tuple(0.5 * value / 1000.0 for value in every)
+
+    @property
     def pin_stiffness_N_per_mm(self) -> tuple[float, float] | None:
         """Radial and tangential stiffness of a pin, N/mm; None if it is rigid."""
         return _N_per_mm(self.pin_stiffness_N_per_um)
@@ -316,9 +344,9 @@ class Stage(Table, frozen=True, kw_only=True):
         for one, two in pairwise(self.angles_deg or ()):
             if two <= one:
                 refuse("stage.angles_deg", f"ascending angles, after {one:g}", f"{two:g}")
-        for name in ERRORS:
+        for name in (*ERRORS, "pin_clearance_um"):
             values = getattr(self, name)
-            if values and len(values) != self.count:
+            if values and isinstance(values, tuple) and len(values) != self.count:
                 expected = f"one entry per planet: {self.count}"
                 refuse(f"stage.{name}", expected, f"{len(values)} entries")
         if self.carrier is not None:

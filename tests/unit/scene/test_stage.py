@@ -98,6 +98,10 @@ def test_planets_that_collide():
             {"stage": {"pin_radial_errors_um": [1, 2]}},
             "stage.pin_radial_errors_um: expected one entry per planet: 4, found 2 entries",
         ),
+        (
+            {"stage": {"pin_clearance_um": [20, 20]}},
+            "stage.pin_clearance_um: expected one entry per planet: 4, found 2 entries",
+        ),
         ({"stage": {"angles_deg": [0, 90]}}, "either planets or angles_deg, found both"),
         (
             {"effects": {"friction_coefficient": 0.1}},

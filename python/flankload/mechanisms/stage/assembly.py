@@ -200,6 +200,7 @@ def _supports(scene: Scene, stage: Stage, pairing: StagePairing) -> StageSupport
             stage.tilt_Nmm_per_rad("ring"),
         ),
         carrier=carrier,
+        play_mm=stage.play_mm if any(stage.play_mm) else (),
     )
 
 

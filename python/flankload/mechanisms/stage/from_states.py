@@ -52,7 +52,7 @@ def loads_of_members(
     kind: type[StageLoads] = StageLoads
     over_width: dict[str, Any] = {}
     if not assembly.is_plane:
-        kind, over_width = StageLoadsOverWidth, loads_over_width(assembly, contact, found)
+        kind, over_width = StageLoadsOverWidth, loads_over_width(scene, assembly, contact, found)
     return kind(
         **over_width,
         teeth=pairing.teeth,

@@ -18,7 +18,6 @@ from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from flankload.pairing.expansion import DENSITY_KG_M3
-from flankload.scene.axial import three_dimensional_key
 from flankload.scene.materials import MATERIALS
 
 if TYPE_CHECKING:
@@ -54,20 +53,23 @@ def stage_modes(scene: Scene) -> tuple[StageModes, ...]:
     assembly = assemble(scene)
     assembly, compliances = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
     contact = assembly.contact(scene, compliances)
-    sweeps = sweep_meshes(contact, assembly.position_rad, scene.torques_Nmm, keep_pairs=False)
+    # by which the moments on bodies with a width are known
+    wide = not assembly.is_plane
+    sweeps = sweep_meshes(contact, assembly.position_rad, scene.torques_Nmm, keep_pairs=wide)
     inertias = _inertias(scene, stage, assembly)
     return tuple(_modes(assembly, contact, found, inertias) for found in sweeps)
 
 
 def _check(scene: Scene, stage: Stage) -> None:
-    """Refuse a width, a torque 0, at which no flank is in contact, a carrier without mass."""
-    if (key := three_dimensional_key(scene)) is not None:
-        raise SceneError(
-            file=scene.file,
-            key=key.removesuffix(" = 3"),
-            expected="nothing for modes: this version has those of plane stages",
-            found="a value",
-        )
+    """Refuse a torque 0, at which no flank is in contact, and supports that modes do not have."""
+    for key in ("carrier", "pin_clearance_um"):
+        if getattr(stage, key) and (key == "carrier" or any(stage.play_mm)):
+            raise SceneError(
+                file=scene.file,
+                key=f"stage.{key}",
+                expected="nothing for modes, in which planets are on springs of their own",
+                found="a value",
+            )
     if not all(scene.load.torques_Nm):
         raise SceneError(
             file=scene.file,

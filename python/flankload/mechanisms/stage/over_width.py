@@ -16,13 +16,14 @@ if TYPE_CHECKING:
     from flankload.contact.meshes_contact import MeshesSweep
     from flankload.contact.stage_supports import StageContact
     from flankload.mechanisms.stage.assembly import StageAssembly
+    from flankload.scene import Scene
 
 #: Radians in microradians.
 PER_RAD = 1e6
 
 
 def loads_over_width(
-    assembly: StageAssembly, contact: StageContact, found: MeshesSweep
+    scene: Scene, assembly: StageAssembly, contact: StageContact, found: MeshesSweep
 ) -> dict[str, Floats]:
     """Fields of `StageLoadsOverWidth` by name."""
     wrenches = wrenches_of(contact, found.meshes)
@@ -40,7 +41,28 @@ def loads_over_width(
         "ring_axial_force_N": ring[:, 2],
         "planet_axial_force_N": planets[..., 2],
         "planet_moment_Nm": in_newton_metres(planets[..., 3:5]),
+        "pin_line_force_N_per_mm": _on_bearings(
+            found.resultants[:, 1:-1, :2], planets[..., 3:5], _bearing_width_mm(scene, assembly)
+        ),
         "planet_tilt_urad": tilts[:, 1:-1],
         "sun_tilt_urad": tilts[:, 0],
         "ring_tilt_urad": tilts[:, -1],
     }
+
+
+def _bearing_width_mm(scene: Scene, assembly: StageAssembly) -> float:
+    """Length over which the bearing of a planet carries."""
+    assert scene.stage is not None
+    low, high = assembly.bodies[1].axial.range_mm
+    return scene.stage.pin_bearing_width_mm or high - low
+
+
+def _on_bearings(forces: Floats, moments: Floats, width_mm: float) -> Floats:
+    """(P, n, 2, 2) Forces per mm at the ends of bearings on evenly elastic rollers.
+
+    By forces and moments (P, n, 2) along and about x and y. A rigid bore moves the rollers
+    linearly along z: q = F/L + 12 z (M x e_z)/L^3.
+    """
+    evenly = forces / width_mm
+    bending = 6.0 / width_mm**2 * np.stack([moments[..., 1], -moments[..., 0]], axis=-1)
+    return np.stack([evenly - bending, evenly + bending], axis=2)
