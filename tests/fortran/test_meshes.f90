@@ -121,7 +121,8 @@ contains
             & -2.0_wp/3.0_wp)
         bodies(2) = roller([36.0_wp, -20.0_wp], 20.0_wp, 0.3_wp + acos(0.0_wp), 1, 0.0_wp, 1.0_wp)
         bodies(3) = bodies(2)
-        meshes = mesh()
+        call set_mesh(meshes(1))
+        call set_mesh(meshes(2))
         meshes(1)%bodies = [2, 1]
         meshes(2)%bodies = [3, 1]
         meshes(2)%offset = [0, n_slices]
@@ -138,6 +139,7 @@ contains
         type(position_state) :: state
 
         type(body_type) :: bodies(2)
+        type(mesh_type) :: meshes(1)
         type(configuration_type) :: configuration
         type(position_state) :: states(1)
 
@@ -145,15 +147,16 @@ contains
         bodies(2) = roller([-54.0_wp, 30.0_wp], 30.0_wp, 0.3_wp - acos(0.0_wp), 1, 0.0_wp, &
             & -2.0_wp/3.0_wp)
         allocate (configuration%angles(2, 1), source=0.0_wp)
-        call solve_position(bodies, [mesh()], turn_of_body_1, configuration, &
+        call set_mesh(meshes(1))
+        call solve_position(bodies, meshes, turn_of_body_1, configuration, &
             & reshape([load], [1, 1]), states)
         call expect(states(1)%status == 0, 'a mesh alone')
         state = states(1)
     end function state_of_pair
 
-    !> Return a mesh of one site.
-    function mesh() result(one)
-        type(mesh_type) :: one
+    !> Set a mesh of one site.
+    subroutine set_mesh(one)
+        type(mesh_type), intent(out) :: one
 
         one%n_sites = n_slices
         one%axes(:, 2) = [90.0_wp, 0.0_wp]
@@ -162,7 +165,7 @@ contains
         one%twist = twist
         allocate (one%slices)
         one%slices%edges = edges
-    end function mesh
+    end subroutine set_mesh
 
     !> Return an elastic roller on a lever: an arc of 0.6 rad, clockwise.
     function roller(center, radius, start, n_meshes, coupling, turn) result(body)
