@@ -172,13 +172,13 @@ contains
         real(wp), intent(in) :: motion(:)
         logical :: touches(size(position%zones))
 
-        real(wp) :: closed(size(position%zones))
+        real(wp) :: closed(size(position%zones)), approach
 
         closed = closed_by_motions(position%rates, motion)
         ! a free body (of motion NaN) may touch anywhere
         touches = ieee_is_nan(closed)
-        where (.not. touches) touches = position%gap < closed + inclusion_margin &
-            & *maxval(closed - position%gap, mask=.not. touches)
+        approach = maxval(closed - position%gap, mask=.not. touches)
+        where (.not. touches) touches = position%gap < closed + inclusion_margin*approach
     end function may_touch
 
     !> Return whether each zone would touch: its gap is closed by the motions and by the
