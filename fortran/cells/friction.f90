@@ -14,7 +14,7 @@ module flankload_friction
     implicit none
     private
 
-    public :: friction_type
+    public :: friction_type, least_sliding
     public :: new_friction, coefficient_at, add_friction
     public :: friction_lever, slide_at, mean_sign, half_turn_between
 

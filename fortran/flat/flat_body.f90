@@ -126,13 +126,16 @@ end subroutine flankload_pack_body
 !> | fl_part_sections    | (degree + 1, 2, n_breaks - 1, n), of either body of a pair in n slices: |
 !> |                     | coefficients of its flank in each slice, between the same breaks,       |
 !> |                     | instead of those of flankload_pack_body                                 |
-!> | fl_part_height      | (9 + n_sites²), of a mesh in slices whose flanks conform over a common  |
-!> |                     | height, with one unknown per site: arc lengths of its middle on both    |
-!> |                     | flanks and its length [mm]; mean normal (x, y) out of body 1 in its     |
-!> |                     | frame; angle of body 2 relative to body 1 at which the flanks touch     |
-!> |                     | [rad]; displacement (x, y) of axis 2 per length along z, and the z at   |
-!> |                     | which it is that of the mesh [mm]; displacement of the height at site i |
-!> |                     | per force at site k, symmetric, column by column [mm/N]                 |
+!> | fl_part_height      | (9 + n_sites²), with friction (9 + 2 n_sites²), of a mesh in slices     |
+!> |                     | whose flanks conform over a common height, with one unknown per site:   |
+!> |                     | arc lengths of its middle on both flanks and its length [mm]; mean      |
+!> |                     | normal (x, y) out of body 1 in its frame; angle of body 2 relative to   |
+!> |                     | body 1 at which the flanks touch [rad]; displacement (x, y) of axis 2   |
+!> |                     | per length along z, and the z at which it is that of the mesh [mm];     |
+!> |                     | displacement of the height at site i per force at site k, symmetric,    |
+!> |                     | column by column [mm/N]; with friction the recession at site i by       |
+!> |                     | forces at site k on both bodies towards increasing arc lengths of their |
+!> |                     | flanks, column by column [mm/N]. Both bodies have the speed of body 1   |
 !> | fl_part_members     | (6), of a mesh among several: numbers of its two bodies (from 1);       |
 !> |                     | numbers of the sites of either body before those of the mesh; angle     |
 !> |                     | of its x axis, on which both axes are, in the fixed frame [rad]; 1, or  |

@@ -230,10 +230,11 @@ contains
             valid = mod(size(values), carrier_block) == 1 .and. size(values) > 1
             if (valid) valid = are_counts(values(1)) .and. values(1) >= 1.0_wp
         case (part_height)
-            ! a symmetric compliance follows nine numbers, of which the third is a length
-            valid = size(values) == height_values + n%sites**2
-            if (valid) valid = values(3) > 0.0_wp .and. is_symmetric(values(height_values + 1:), &
-                & n%sites)
+            ! a symmetric compliance follows nine numbers, of which the third is a length, and with
+            ! friction that of tangential forces
+            valid = any(size(values) == height_values + [1, 2]*n%sites**2)
+            if (valid) valid = values(3) > 0.0_wp .and. is_symmetric( &
+                & values(height_values + 1:height_values + n%sites**2), n%sites)
         case (part_members)
             ! two bodies, sites before those of the mesh, sense of its frame
             valid = all(are_counts(values(:4))) .and. all(values(:2) >= 1.0_wp) &

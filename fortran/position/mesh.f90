@@ -118,6 +118,9 @@ module flankload_mesh
         !> Displacement at a site under a unit force at another [mm/N], symmetric, shape (sites,
         !> sites)
         real(wp), allocatable :: compliance(:, :)
+        !> Recession at a site by unit forces at another one on both bodies towards increasing arc
+        !> lengths of their flanks [mm/N], shape (sites, sites); with friction
+        real(wp), allocatable :: tangential(:, :)
     end type height_type
 
     !> Mesh of two bodies: site k of the mesh is site offset + k of either body.

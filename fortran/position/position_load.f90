@@ -127,7 +127,7 @@ contains
             call check_meshes(bodies, meshes, size(motions), error)
             if (allocated(error)) return
             if (allocated(meshes(1)%height)) then
-                call place_heights(bodies, meshes, motions, configuration%angles(:, 1), at)
+                call place_heights(bodies, meshes, motions, configuration, at)
                 return
             end if
             call move_alloc(at%room, kept)
@@ -158,7 +158,8 @@ contains
             associate (mesh => meshes(m), one => bodies(meshes(m)%bodies(1)), &
                 & two => bodies(meshes(m)%bodies(2)))
                 refused = is_plane_only(one%compliance) .or. is_plane_only(two%compliance)
-                if (allocated(mesh%height)) refused = refused .or. allocated(mesh%friction) &
+                if (allocated(mesh%height)) refused = refused &
+                    & .or. (allocated(mesh%friction) .neqv. allocated(mesh%height%tangential)) &
                     & .or. allocated(one%compliance%shift) .or. allocated(two%compliance%shift)
                 if (allocated(mesh%height) .or. mesh%grid%level == level_pairs) refused = refused &
                     & .or. mesh%grid%finite_steps > 0

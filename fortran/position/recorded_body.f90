@@ -110,9 +110,11 @@ contains
         ! conforming flanks are in slices
         valid = allocated(mesh%slices)
         mesh%height = height_type(s=height(:2), length=height(3), normal=height(4:5), &
-            & turn=height(6), tilt=height(7:8), z_middle=height(9), &
-            & compliance=reshape(height(height_values + 1:), &
-            & [mesh%n_sites, mesh%n_sites]))
+            & turn=height(6), tilt=height(7:8), z_middle=height(9))
+        height = height(height_values + 1:)
+        mesh%height%compliance = reshape(height(:n%sites**2), [n%sites, n%sites])
+        if (size(height) > n%sites**2) mesh%height%tangential = reshape( &
+            & height(n%sites**2 + 1:), [n%sites, n%sites])
     end subroutine read_mesh
 
     !> Read the flank of a body, or its flanks in all slices.

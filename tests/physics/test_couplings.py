@@ -22,7 +22,6 @@ from flankload.errors import InputError
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import contact_of
-from flankload.pairing.friction import Friction
 from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import deviation, tree_of
 from tests.support.tolerances import SOLVER
@@ -207,14 +206,12 @@ def test_half_a_turn_of_a_misaligned_press_fit_exchanges_both_sides() -> None:
     assert not any("which this run ignores" in note for note in found.warnings)
 
 
-def test_conforming_slices_refuse_friction_and_finite_forces() -> None:
+def test_conforming_slices_refuse_finite_forces() -> None:
     own = scene(accuracy__slices=2)
     pair = build_bodies(own)
     contact = contact_of(own, pair, (no_compliance(pair.body_1), no_compliance(pair.body_2)))
-    friction = Friction(np.zeros(1), np.full((1, TEETH), 0.1))
-    for refused in ({"mesh": replace(pair, friction=friction)}, {"finite_steps": 2}):
-        with pytest.raises(InputError, match="slices along the face width"):
-            sweep(replace(contact, **refused), pair.position_rad, [TORQUE_NMM])
+    with pytest.raises(InputError, match="slices along the face width"):
+        sweep(replace(contact, finite_steps=2), pair.position_rad, [TORQUE_NMM])
 
 
 def _of_strips(pair: Any, compliances: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -404,9 +401,6 @@ def test_misaligned_couplings_have_positions() -> None:
     assert deviation(loads[1], np.roll(loads[0], -1, axis=0)) < 1e-8
 
 
-WHY = "body_1.lead_crowning_um requires three dimensions"
-
-
 @pytest.mark.parametrize(
     ("changes", "key", "expected"),
     [
@@ -429,30 +423,9 @@ WHY = "body_1.lead_crowning_um requires three dimensions"
             "nothing, unless pair.misalignment_mrad is > 0",
         ),
         (
-            {"effects__root_stress": True},
-            "effects.root_stress",
-            (
-                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
-                "has no root stress of splines over their width"
-            ),
-        ),
-        (
-            {"effects__temperature_rise_K": 50.0},
-            "effects.temperature_rise_K",
-            (
-                "nothing, since body_1.lead_crowning_um requires three dimensions: this version "
-                "has expansion of splines in the plane only"
-            ),
-        ),
-        (
             {"body_2__tooth_helix_slope_um": [1.0, 2.0]},
             "body_2.tooth_helix_slope_um",
             "one entry per tooth: 24, as in body_2.teeth",
-        ),
-        (
-            {"effects__friction_coefficient": 0.1},
-            "effects.friction_coefficient",
-            f"nothing, since {WHY}: this version has no friction of splines",
         ),
     ],
 )

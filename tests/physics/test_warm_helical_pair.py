@@ -174,9 +174,3 @@ def test_both_flanks_of_a_fast_pair_are_mirror_images() -> None:
     assert loads.max() > 100.0
     assert deviation(still, loads) > 1e-2
     assert deviation(images[..., ::-1], loads) < MIRRORED
-
-
-def test_expansion_of_splines_is_refused_in_three_dimensions() -> None:
-    tree = tree_of("spline", {"effects__dimension": 3, "effects__speed_rpm": 3000.0})
-    with pytest.raises(fl.FlankloadError, match=r"effects.speed_rpm: expected nothing, since"):
-        fl.Scene.from_dict(tree)

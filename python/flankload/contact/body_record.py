@@ -9,8 +9,9 @@ import numpy as np
 
 from flankload import _core
 from flankload.bodies.flank_surface import section_curves
-from flankload.contact.conforming import conforming_height
+from flankload.contact.conforming import conforming_height, expansion_at_slices
 from flankload.contact.status import checked
+from flankload.elasticity.compliance.contributions import Expansion
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -187,6 +188,9 @@ def _record_of_pair(contact: FlankContact, z: int) -> NDArray[np.float64]:
     mesh, body, compliance = contact.mesh, contact.mesh.bodies[z], contact.compliances[z]
     pairing, slices = mesh.pairing, mesh.slices
     angles, deviations = at_sites(pairing, slices, z)
+    if slices.conforming is not None and compliance.expansion.shifts:
+        deviations = deviations + expansion_at_slices(mesh, contact.compliances, z)
+        compliance = replace(compliance, expansion=Expansion())
     teeth = pairing.teeth_of(z)
     block = compliance.blocks_of_sites(teeth, pairing.sites.size, body.teeth)
     return packed_body(

@@ -40,6 +40,8 @@ class CommonHeight:
     tilt : (2,) array
         Displacement of the hub's axis per length along z, from its place at z = `middle_z_mm`, the
         middle of the common face width.
+    opened_mm : (N,) array
+        Gap between the strips of both flanks by different strains of the bodies.
     """
 
     s_mm: tuple[Floats, Floats]
@@ -49,6 +51,7 @@ class CommonHeight:
     middle_s_mm: tuple[float, float]
     tilt: Floats
     middle_z_mm: float
+    opened_mm: Floats
 
     @property
     def height_mm(self) -> float:
@@ -60,15 +63,23 @@ def common_height(
     shaft: Body,
     hub: Body,
     *,
-    misalignment_rad: float,
-    direction_rad: float,
+    tilt: Floats,
     middle_z_mm: float,
+    strains: tuple[float, float] = (0.0, 0.0),
 ) -> CommonHeight:
     """Common height of the equal involutes of shaft and hub.
 
-    The angle `misalignment_rad` is between the axes: towards larger z, the hub's axis tilts in the
-    direction of the polar angle `direction_rad`, about the axial position `middle_z_mm`. Raises a
-    SceneError if there is no common height.
+    Parameters
+    ----------
+    tilt, middle_z_mm
+        As in `CommonHeight`.
+    strains : (float, float)
+        Uniform strains of both bodies, to which their curves are expanded.
+
+    Raises
+    ------
+    SceneError
+        If there is no common height.
     """
     (s_1, r_1), (s_2, r_2) = _radii(shaft), _radii(hub)
     low, high = max(r_1.min(), r_2.min()), min(r_1.max(), r_2.max())
@@ -86,15 +97,17 @@ def common_height(
     one = np.append(places, middle)
     two = np.interp(np.interp(one, s_1, r_1), r_2[::-1], s_2[::-1])
     normal = shaft.curve.normal(one)
-    direction = np.array([np.cos(direction_rad), np.sin(direction_rad)])
+    # a body expands about its axis by its strain times the place
+    outwards = np.einsum("ik,ik->i", shaft.curve.point(places), normal[:-1])
     return CommonHeight(
         s_mm=(places, two[:-1]),
         strip_mm=strip,
         normal=normal[:-1],
         middle_normal=normal[-1],
         middle_s_mm=(float(middle), float(two[-1])),
-        tilt=misalignment_rad * direction,
+        tilt=tilt,
         middle_z_mm=middle_z_mm,
+        opened_mm=(strains[1] - strains[0]) * outwards,
     )
 
 

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.pairing.common_height import common_height
+
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
     from flankload.pairing.pairing import Pairing
@@ -132,3 +134,16 @@ def expanded_slices(
         )
     )
     return replace(slices, turns_rad=(one, two))
+
+
+def with_expanded_height(
+    slices: Slices, bodies: tuple[Body, Body], strains: tuple[float, float]
+) -> Slices:
+    """Slices with the common height of conforming flanks of bodies that are `expanded`."""
+    height = slices.conforming
+    if height is None:
+        return slices
+    grown = common_height(
+        *bodies, tilt=height.tilt, middle_z_mm=height.middle_z_mm, strains=strains
+    )
+    return replace(slices, conforming=grown)

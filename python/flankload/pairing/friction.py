@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from flankload.bodies.body import Body
     from flankload.pairing.pairing import Pairing
+    from flankload.pairing.slices import Slices
     from flankload.scene import Scene
 
 SCENE_KEY = "effects.friction_coefficient"
@@ -119,10 +120,12 @@ def _arc_lengths(body: Body, radius: NDArray[np.float64]) -> NDArray[np.float64]
     return np.asarray(np.interp(radius, distance, s))
 
 
-def friction_notes(friction: Friction | None, pairing: Pairing) -> Iterator[str]:
+def friction_notes(friction: Friction | None, pairing: Pairing, slices: Slices) -> Iterator[str]:
     """Remarks on the friction of a pair for the user."""
-    if friction is not None and pairing.center_distance_mm <= 0.0:
+    height = slices.conforming
+    leans = height is not None and height.tilt.any()
+    if friction is not None and pairing.center_distance_mm <= 0.0 and not leans:
         yield (
             "on a common axis both bodies turn together and no flank slides: friction has no "
-            "effect (pair.center_offset_mm separates the axes)"
+            "effect (pair.center_offset_mm separates the axes, pair.misalignment_mrad tilts one)"
         )

@@ -45,7 +45,12 @@ class FrictionResult(Card):
     tilting_moment_Nm : (P,) array or None
         Moment of the friction forces on body 1 about the middle of the face width, at right angles
         to that of the normal forces; positive if more of the force towards the tip acts at larger
-        z. None in the plane.
+        z. Of a spline the magnitude of `tilting_moments_Nm`. None in the plane.
+    axial_force_N : (P,) array or None
+        Axial friction force on the shaft of a spline in three dimensions, positive along z.
+    tilting_moments_Nm : (P, 2) array or None
+        Moment of the friction forces on the hub of a spline in three dimensions about x and y,
+        about the middle of its axis.
     """
 
     driver: str
@@ -58,6 +63,8 @@ class FrictionResult(Card):
     work_1_J: float | None
     work_2_J: float | None
     tilting_moment_Nm: Floats | None = None
+    axial_force_N: Floats | None = None
+    tilting_moments_Nm: Floats | None = None
 
     @property
     def efficiency(self) -> float | None:
@@ -74,9 +81,10 @@ class FrictionResult(Card):
     def as_dict(self) -> dict[str, Any]:
         """Friction in the form of the files."""
         works = ("loss_work_J", "work_1_J", "work_2_J", "efficiency")
-        some = ("tilting_moment_Nm",) if self.tilting_moment_Nm is not None else ()
-        keys = ("driver", *ALONG_POSITIONS, "site_friction_N", *works, *some)
-        return {key: getattr(self, key) for key in keys}
+        keys = ("driver", *ALONG_POSITIONS, "site_friction_N", *works)
+        some = ("tilting_moment_Nm", "axial_force_N", "tilting_moments_Nm")
+        present = [key for key in some if getattr(self, key) is not None]
+        return {key: getattr(self, key) for key in (*keys, *present)}
 
 
 def friction_result(
@@ -89,6 +97,7 @@ def friction_result(
     driver: str,
     torque_1_Nm: float,
     over_period: Callable[[Floats], float | None],
+    tilt: Floats | None = None,
 ) -> FrictionResult:
     """Sum over the pairs of all positions.
 
@@ -97,13 +106,16 @@ def friction_result(
     pairs : mapping
         Columns x, y, normal_x, normal_y, force, sliding, friction of N pairs, mm, N, and numbers
         of each pair's position and site; `in_section` is the part of a normal force that lies in
-        the transverse section. In three dimensions z, from the middle of the face width.
+        the transverse section. In three dimensions z, from the middle of the face width. Of
+        splines there axial_sliding and axial_friction as well, as sliding and friction along z.
     n_sites, n_working : int
         Number of sites; from n_working on they are those of coast flanks.
     speeds : (2, P) array
         As in `FrictionResult`.
     over_period : callable
         Integral of a quantity (P,) over one period, None if it is unknown.
+    tilt : (2,) array or None
+        Of splines in three dimensions: displacement of the hub's axis per length along z.
     """
     n, position = speeds.shape[1], pairs["position"]
     force, friction = pairs["force"], pairs["force"] * pairs["friction"]
@@ -120,8 +132,22 @@ def friction_result(
     def over_positions(values: Floats) -> Floats:
         return in_newton_metres(np.bincount(position, values, minlength=n).astype(np.float64))
 
+    losses, tilting, axial, moments = friction * pairs["sliding"], None, None, None
+    if "z" in pairs:
+        tilting = over_positions(friction * pairs["z"])
+    if tilt is not None:
+        along = force * pairs["axial_friction"]
+        losses = losses + along * pairs["axial_sliding"]
+        x, y, z = pairs["x"] - center_distance_mm, pairs["y"], pairs["z"]
+        # the axis of body 2 leans
+        moment = moment + tilt[0] * -(y * along + z * force_y) + tilt[1] * (z * force_x + x * along)
+        rubbed_x, rubbed_y = -pairs["normal_y"] * turned, pairs["normal_x"] * turned
+        about_x, about_y = -y * along - z * rubbed_y, z * rubbed_x + x * along
+        moments = np.stack([over_positions(about_x), over_positions(about_y)], axis=1)
+        tilting = np.hypot(*moments.T)
+        axial = np.bincount(position, along, minlength=n).astype(np.float64)
     torque_2 = over_positions(moment) * sense * np.sign(speeds[1])
-    loss = over_positions(friction * pairs["sliding"])
+    loss = over_positions(losses)
     return FrictionResult(
         driver=driver,
         speed_1=speeds[0],
@@ -132,5 +158,7 @@ def friction_result(
         loss_work_J=over_period(loss),
         work_1_J=over_period(torque_1_Nm * np.abs(speeds[0])),
         work_2_J=over_period(torque_2 * np.abs(speeds[1])),
-        tilting_moment_Nm=over_positions(friction * pairs["z"]) if "z" in pairs else None,
+        tilting_moment_Nm=tilting,
+        axial_force_N=axial,
+        tilting_moments_Nm=moments,
     )

@@ -23,6 +23,7 @@ import numpy as np
 from flankload.base.card import Card
 from flankload.base.gauss import leggauss
 from flankload.base.read_only import KeepsReadOnly
+from flankload.contact.conforming import force_spread
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.near_field import mode_values, to_coefficients
 from flankload.elasticity.nodal_loads import linear_shapes
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
     from flankload.result.pairs import PairTable
 
 
-#: Gauss points along the profile of the cell of a slice, which is the height of a spline's flank.
+#: Gauss points along the profile of the cell of a slice.
 CELL_POINTS = 4
 
 
@@ -64,6 +65,9 @@ class RootReading:
         Arc lengths of nodes that carry unit forces instead of modes, mm.
     over_width : OverWidth or None
         In three dimensions.
+    spread : (n_modes,) array or None
+        Values of the modes under the force of a slice of conforming flanks, which is distributed
+        over their height.
     """
 
     points: RootPoints
@@ -74,6 +78,7 @@ class RootReading:
     face_width_mm: float
     nodes: Floats | None = None
     over_width: OverWidth | None = None
+    spread: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +167,7 @@ class RootStress(KeepsReadOnly, Card):
 
 def root_reading(
     pair: BodyPair,
-    compliance: BodyCompliance,
+    compliances: tuple[BodyCompliance, BodyCompliance],
     z: int,
     sites: Numbers,
 ) -> RootReading | None:
@@ -173,24 +178,30 @@ def root_reading(
     sites : (S,) array
         Columns of the pairing's sites.
     """
-    root = compliance.root
+    compliance = compliances[z]
+    root, modes = compliance.root, compliance.modes
     if root is None:
         return None
-    body, over_width = pair.bodies[z], None
+    body, over_width, spread = pair.bodies[z], None, None
+    n_modes = compliance.modes_along
+    if pair.slices.conforming is not None:
+        places = pair.slices.conforming.s_mm[z]
+        values = mode_values(places, modes.range_mm, n_modes, tip=modes.tip)
+        spread = force_spread(pair, compliances) @ values
     if root.range_mm is not None:
-        degree = compliance.modes.axial.degree
-        over_width = OverWidth(root.range_mm, degree, pair.slices.edges_mm)
+        over_width = OverWidth(root.range_mm, modes.axial.degree, pair.slices.edges_mm)
     teeth = pair.pairing.site_teeth[z][sites]
     block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
     return RootReading(
         points=root.points,
-        n_modes=compliance.smooth.shape[1] // compliance.modes_per_place,
+        n_modes=n_modes,
         response=root.response[block],
-        mode_range_mm=compliance.modes.range_mm,
-        tip=compliance.modes.tip,
+        mode_range_mm=modes.range_mm,
+        tip=modes.tip,
         face_width_mm=pair.face_width_mm,
-        nodes=compliance.modes.nodes,
+        nodes=modes.nodes,
         over_width=over_width,
+        spread=spread,
     )
 
 
@@ -259,6 +270,9 @@ def modes_on_slices(reading: RootReading, places: Floats, cells_mm: Floats, z_mm
     The cells are at the places (n,) along the profile and in the slices with the middles z_mm (n,).
     """
     assert reading.over_width is not None
+    along = reading.over_width.modes_at(z_mm)
+    if reading.spread is not None:
+        return np.asarray(np.einsum("a,nb->nab", reading.spread, along).reshape(len(along), -1))
     points, weights = leggauss(CELL_POINTS)
     low, high = reading.mode_range_mm
     tip = reading.tip
@@ -266,7 +280,6 @@ def modes_on_slices(reading: RootReading, places: Floats, cells_mm: Floats, z_mm
     within = np.clip(s, low, high if tip is None else tip.end_mm)
     values = mode_values(within.ravel(), (low, high), reading.n_modes, tip=tip)
     values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, reading.n_modes))
-    along = reading.over_width.modes_at(z_mm)
     count = values.shape[1] * along.shape[1]
     return np.asarray(np.einsum("na,nb->nab", values, along).reshape(len(values), count))
 

@@ -42,13 +42,6 @@ PLANE_EFFECTS = {
     "near_field": "no nodal forces on three-dimensional bodies",
     "influence": "influence coefficients of small forces for slices",
 }
-#: Further ones of splines, whose slices conform over their height.
-PLANE_EFFECTS_OF_SPLINES = {
-    "friction_coefficient": "no friction of splines",
-    "root_stress": "no root stress of splines over their width",
-    "temperature_rise_K": "expansion of splines in the plane only",
-    "speed_rpm": "expansion of splines in the plane only",
-}
 #: Keys that vary along the axis and hence require three dimensions, unless they are 0.
 LEAD_KEYS = (
     "lead_crowning_um",
@@ -408,8 +401,7 @@ def _check_effects(asked: "SceneFile", given: Mapping[str, Any], why: str) -> No
     if cells and asked.body_1.conforms:
         expected = f"nothing, {since}: slices of splines have one unknown each"
         refuse("effects.contact", expected, "'pairs'")
-    missing = PLANE_EFFECTS | (PLANE_EFFECTS_OF_SPLINES if asked.body_1.conforms else {})
-    for key, what in missing.items():
+    for key, what in PLANE_EFFECTS.items():
         value = getattr(asked.effects, key)
         if value != getattr(plain, key):
             default = shown(getattr(plain, key)) if getattr(plain, key) else "nothing"

@@ -34,8 +34,8 @@ class StripField:
         Means of the modes along the axis over the slices.
     near : (N, J, J) array
         Near field of strips at a distance n, with the images behind end faces, mm/N.
-    corners : (2, N, N, J, J) or empty array
-        Images behind free corners.
+    corners, corners_along : (2, N, N, J, J) or empty arrays
+        Images behind free corners, of normal forces and of those along the profile.
     weight : (J,) array
         Width of each slice over the common width.
     """
@@ -46,6 +46,7 @@ class StripField:
     over: Floats
     near: Floats
     corners: Floats
+    corners_along: Floats
     weight: Floats
 
     @classmethod
@@ -69,20 +70,26 @@ class StripField:
             if strength:
                 image = z[:, None] + z - 2.0 * end
                 near = near + strength * mean_potential(image, *lengths, apart)
-        corners = np.zeros((0, s.size, s.size, *near.shape[1:]))
-        for place, strength in zip(modes.range_mm, compliance.near.wedge, strict=True):
-            if strength:
-                from_corner = np.abs(s - place)
-                apart = (from_corner[:, None] + from_corner)[..., None, None]
-                image = strength * k * mean_potential(z[:, None] - z, *lengths, apart)
-                corners = np.concatenate([corners, image[None]])
+
+        def behind_corners(strengths: tuple[float, float]) -> Floats:
+            images = np.zeros((0, s.size, s.size, *near.shape[1:]))
+            for place, strength in zip(modes.range_mm, strengths, strict=True):
+                if strength:
+                    from_corner = np.abs(s - place)
+                    apart = (from_corner[:, None] + from_corner)[..., None, None]
+                    image = strength * k * mean_potential(z[:, None] - z, *lengths, apart)
+                    images = np.concatenate([images, image[None]])
+            return images
+
+        has_friction = compliance.tangential is not None
         return cls(
             compliance=compliance,
             teeth=teeth,
             along=mode_values(s, modes.range_mm, n_s, tip=modes.tip),
             over=_axial_means(axial.range_mm, axial.count, edges_mm),
             near=k * near,
-            corners=corners,
+            corners=behind_corners(compliance.near.wedge),
+            corners_along=behind_corners(compliance.near.wedge_along if has_friction else (0, 0)),
             weight=width / width.sum(),
         )
 
@@ -97,20 +104,40 @@ class StripField:
         found += np.einsum("cihjk,j,k->ih", self.corners, self.weight, self.weight)
         return np.asarray(found)
 
-    def between_sites(self, spread: Floats, teeth: Numbers, n_working: int) -> Floats:
+    def expansion(self, shifts: Floats) -> Floats:
+        """Displacements (n, N, J) of the strips in all slices, from mode coefficients (n, p)."""
+        modes = shifts.reshape(len(shifts), self.along.shape[1], self.over.shape[1])
+        return np.asarray(np.einsum("ia,sab,jb->sij", self.along, modes, self.over))
+
+    def between_sites(
+        self, spread: Floats, teeth: Numbers, n_working: int, *, along: bool = False
+    ) -> Floats:
         """Compliance (S, J, S, J) between slices with forces that are distributed over strips.
 
-        `teeth` (S,): teeth of the sites, `n_working` of working flanks, then those of coast flanks.
+        Parameters
+        ----------
+        spread : (N,) array
+            Part of the force on each strip.
+        teeth, n_working : (S,) array and int
+            Teeth of the sites, `n_working` of working flanks, then those of coast flanks.
+        along : bool
+            Normal displacements under forces along the profile, towards increasing arc length,
+            instead of normal forces. The field of Cerruti (S4) is antisymmetric: with the same
+            distribution of both its mean is 0.
         """
         modes = np.einsum("a,jb->jab", spread @ self.along, self.over)
         modes = modes.reshape(len(self.over), -1)
-        blocks = modes @ self.compliance.all_blocks()[0] @ modes.T
+        response = self.compliance.all_blocks()[1 if along else 0]
+        if response is None:  # a rigid body
+            return np.zeros((teeth.size, len(self.over)) * 2)
         number = self.compliance.blocks_of_sites(teeth, n_working, self.teeth)
-        found = blocks[number].transpose(0, 2, 1, 3).copy()
-        apart = np.abs(np.arange(spread.size)[:, None] - np.arange(spread.size))
-        products = np.bincount(apart.ravel(), weights=np.outer(spread, spread).ravel())
-        own = np.einsum("n,njk->jk", products, self.near)
-        own += np.einsum("cihjk,i,h->jk", self.corners, spread, spread)
+        found = (modes @ response @ modes.T)[number].transpose(0, 2, 1, 3).copy()
+        images = self.corners_along if along else self.corners
+        own = np.einsum("cihjk,i,h->jk", images, spread, spread)
+        if not along:
+            apart = np.abs(np.arange(spread.size)[:, None] - np.arange(spread.size))
+            products = np.bincount(apart.ravel(), weights=np.outer(spread, spread).ravel())
+            own += np.einsum("n,njk->jk", products, self.near)
         sites = np.arange(teeth.size)
         found[sites, :, sites, :] += own
         return np.asarray(found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from math import radians
+from math import cos, radians, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -159,7 +159,7 @@ def _notes(scene: Scene, pair: BodyPair, window_notes: tuple[str, ...]) -> tuple
         *pair.pairing.warnings,
         *(() if pair.pairing.coast else tilt_notes(pair.pairing.fit, pair.slices)),
         *window_notes,
-        *friction_notes(pair.friction, pair.pairing),
+        *friction_notes(pair.friction, pair.pairing, pair.slices),
         *body_load_notes(scene),
         *(
             f"body_{z}: rigid, so there is no stress in its roots"
@@ -217,10 +217,10 @@ def _coupling_slices(
     slices = slices_of(
         shapes, scene.accuracy.slices, line_load_mm=scene.accuracy.line_load_length_mm
     )
+    direction = radians(scene.pair.misalignment_direction_deg)
     height = common_height(
         *bodies,
-        misalignment_rad=scene.pair.misalignment_mrad / 1000.0,
-        direction_rad=radians(scene.pair.misalignment_direction_deg),
+        tilt=scene.pair.misalignment_mrad / 1000.0 * np.array([cos(direction), sin(direction)]),
         middle_z_mm=0.5 * float(slices.edges_mm[0] + slices.edges_mm[-1]),
     )
     return replace(slices, conforming=height)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from math import pi, sin, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.flank_pair.stages import Compliances
     from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.common_height import CommonHeight
     from flankload.pairing.gear_pair import GearGeometry
     from flankload.pairing.slices import Slices
     from flankload.result.geometry import PairGeometry
@@ -86,8 +87,8 @@ def result_of(
         drawing=_drawing(pair),
         geometry=None if geometry is None else replace(geometry, speed_rpm=scene.effects.speed_rpm),
         root_readings=(
-            root_reading(pair, compliances[0], 0, carries),
-            root_reading(pair, compliances[1], 1, carries),
+            root_reading(pair, compliances, 0, carries),
+            root_reading(pair, compliances, 1, carries),
         ),
         follower_angle_rad=None
         if pair.pairing.motion is None
@@ -227,17 +228,39 @@ def _friction(
     if not pair.slices.plane:
         places = [pairs.slices for pairs, _ in parts]
         columns["z"] = pair.slices.from_middle_mm[np.concatenate(places)]
+    height, speeds = pair.slices.conforming, pair.friction.speeds(pair.pairing, pair.position_rad)
+    if height is not None:
+        columns |= _along_axis(pair, height, columns, speeds[0])
     summed = friction_result(
         columns,
         n_sites=n_sites,
         n_working=pair.pairing.sites.size,
         center_distance_mm=pair.pairing.center_distance_mm,
-        speeds=pair.friction.speeds(pair.pairing, result.position_rad),
+        speeds=speeds,
         driver=pair.friction.driver,
         torque_1_Nm=result.torque_Nm,
         over_period=over_period,
+        tilt=None if height is None else height.tilt,
     )
     return replace(summed, site_friction_N=summed.site_friction_N[:, carries])
+
+
+def _along_axis(
+    pair: BodyPair, height: CommonHeight, columns: Mapping[str, NDArray[Any]], speed: Floats
+) -> dict[str, Floats]:
+    """Axial sliding speed of the pairs of a spline, and the part of friction in its direction.
+
+    Body 2 turns about an axis with the slope t: (v2 - v1) is w (t_x y - t_y x) along z.
+    """
+    assert pair.friction is not None
+    (slope_x, slope_y), sliding = height.tilt, columns["sliding"]
+    x = columns["x"] - pair.pairing.center_distance_mm
+    axial = speed[columns["position"]] * (slope_x * columns["y"] - slope_y * x)
+    # equal along the flank: splines have no roll position
+    coefficients = pair.friction.coefficients[0][columns["site"] % pair.pairing.sites.size]
+    fastest = np.hypot(sliding, axial)
+    part = np.divide(axial, fastest, out=np.zeros_like(axial), where=fastest > 0)
+    return {"axial_sliding": axial, "axial_friction": coefficients * part}
 
 
 def shaft_loads(pair: BodyPair, slices: Slices, found: Sweep) -> ShaftLoads | None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.rounding import TIE
+from flankload.contact.conforming import touches_over_height
 from flankload.contact.status import SiteCorner
 from flankload.pairing.node_spacing import wide_nodes_notes
 from flankload.result.corners import corner_notes
@@ -48,6 +49,11 @@ def notes_of_sweep(pair: BodyPair, compliances: Compliances, found: Sweep) -> It
             "splines in three dimensions: pressures are means over the common height of the "
             "flanks, without the peaks at its ends (a plane scene has them)"
         )
+        if not touches_over_height(pair, compliances, found.torque_Nmm):
+            yield (
+                "body_1 and body_2 expand so differently that their flanks touch over a part of "
+                "the height; slices of splines carry over the whole height (a plane scene has both)"
+            )
     shaped = int(np.count_nonzero((found.site_corner == SiteCorner.NOT_PARABOLIC).any(axis=1)))
     if shaped:
         yield (

@@ -11,7 +11,7 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.mechanisms.elements import solve_bodies
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
-from flankload.pairing.expansion import expanded, expanded_slices
+from flankload.pairing.expansion import expanded, expanded_slices, with_expanded_height
 
 if TYPE_CHECKING:
     from flankload.mechanisms.reuse import Parts
@@ -52,12 +52,12 @@ def expanded_pair(pair: BodyPair, compliances: Compliances) -> tuple[BodyPair, C
     if not any((first.strain, first.axial_strain, second.strain, second.axial_strain)):
         return pair, compliances
     one, two = compliances
-    strains = first.axial_strain, second.axial_strain
-    slices = expanded_slices(pair.slices, pair.bodies, strains)
+    slices = expanded_slices(pair.slices, pair.bodies, (first.axial_strain, second.axial_strain))
     bodies = (
         expanded(pair.body_1, first.strain, first.axial_strain),
         expanded(pair.body_2, second.strain, second.axial_strain),
     )
+    slices = with_expanded_height(slices, bodies, (first.strain, second.strain))
     return replace(pair, bodies=bodies, slices=slices), (one.expanded(), two.expanded())
 
 
