@@ -39,7 +39,7 @@ module flankload_mode_field
     integer, parameter :: panel = 96
     !> Number of places, and mean number of places of a flank, up to which calls of BLAS cost more
     !> than they save
-    integer, parameter :: few = 8, few_of_flank = 2
+    integer, parameter :: few = 8, few_of_flank = 4
 
 contains
 
@@ -69,7 +69,7 @@ contains
             at(places(b)%of, b) = [(i, i=1, size(places(b)%of))]
             flank(places(b)%of) = places(b)%flank
         end do
-        if (n <= max(few, few_of_flank*(1 + count(flank(2:) /= flank(:n - 1))))) then
+        if (are_few(flank)) then
             if (sets) matrix = 0.0_wp
             do b = 1, size(bodies)
                 call add_modes_singly(bodies(b), places(b), matrix)
@@ -146,23 +146,44 @@ contains
         !> K [mm/N], lower triangle
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: i, j, k
-        real(wp) :: total
+        integer :: i, j
 
         if (size(places%values) == 0) return
         do j = 1, size(places%of)
             do i = j, size(places%of)
-                total = 0.0_wp
-                associate (block => body%block(places%site(i), places%site(j)))
-                    do k = 1, size(places%values, 1)
-                        total = total + places%values(k, j) &
-                            & *dot_product(places%values(:, i), body%smooth(:, k, block))
-                    end do
-                end associate
-                matrix(places%of(i), places%of(j)) = matrix(places%of(i), places%of(j)) + total
+                matrix(places%of(i), places%of(j)) = matrix(places%of(i), places%of(j)) &
+                    & + between_places(places%values(:, i), body%smooth(:, :, &
+                    & body%block(places%site(i), places%site(j))), places%values(:, j))
             end do
         end do
     end subroutine add_modes_singly
+
+    !> Return whether there are so few places that calls of BLAS cost more than they save.
+    pure function are_few(flank)
+        !> Flank of each place, shape (n)
+        integer, intent(in) :: flank(:)
+        logical :: are_few
+
+        associate (n => size(flank))
+            are_few = n <= max(few, few_of_flank*(1 + count(flank(2:) /= flank(:n - 1))))
+        end associate
+    end function are_few
+
+    !> Return l g v.
+    pure function between_places(left, block, right) result(product)
+        !> l, g and v
+        real(wp), contiguous, intent(in) :: left(:)
+        real(wp), contiguous, intent(in) :: block(:, :)
+        real(wp), contiguous, intent(in) :: right(:)
+        real(wp) :: product
+
+        integer :: k
+
+        product = 0.0_wp
+        do k = 1, size(right)
+            product = product + right(k)*dot_product(left, block(:, k))
+        end do
+    end function between_places
 
     !> Compute the displacement of a flank as modes of one body under unit forces on another one.
     pure subroutine displace(body, places, at, n, before, m, displaced)
@@ -237,10 +258,19 @@ contains
         real(wp), contiguous, intent(in) :: left(:, :)
         real(wp) :: product(size(places%of), size(places%of))
 
-        integer :: m, first, last, row, row_last
+        integer :: i, j, m, first, last, row, row_last
         real(wp), allocatable :: displaced(:, :)
 
         m = size(left, 1)
+        if (are_few(places%flank)) then
+            do j = 1, size(product, 2)
+                do i = 1, size(product, 1)
+                    product(i, j) = between_places(left(:, i), blocks(:, :, &
+                        & body%block(places%site(i), places%site(j))), places%values(:, j))
+                end do
+            end do
+            return
+        end if
         allocate (displaced(m, size(places%of)))
         first = 1
         do while (first <= size(places%of))
