@@ -128,9 +128,11 @@ contains
         end if
         do k = 1, grid%n
             call locate_cell(grid, k, s_1, cell)
-            pair%s_2 = guessed_s_2(pair, s_1)
-            call pair_on_circle(facing, s_1, s_2_range, pair, found)
-            if (.not. found) return
+            if (abs(s_1 - pair%s_1) > 0.0_wp) then
+                pair%s_2 = guessed_s_2(pair, s_1)
+                call pair_on_circle(facing, s_1, s_2_range, pair, found)
+                if (.not. found) return
+            end if
             if (is_level(zone)) then
                 normals = own_normals(pair)
                 if (s_1 < zone%level_low) call use_steadier_normal(level_end(1), pair, normals)

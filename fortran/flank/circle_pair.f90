@@ -9,7 +9,7 @@ module flankload_circle_pair
     private
 
     public :: facing_type, flank_type, pair_type
-    public :: complete_pair, guessed_s_2, new_flank, pair_on_circle, start_pair
+    public :: complete_pair, gap_bend, guessed_s_2, new_flank, pair_on_circle, start_pair
 
     !> A flank and its samples, at which the search for minima of the gap starts.
     type :: flank_type
@@ -246,6 +246,29 @@ contains
         pair%slope = (cross(pair%point_2, pair%tangent_2)*rise_1/rise_2 &
             & - cross(pair%point_1, pair%tangent_1))/pair%radius**2
     end subroutine complete_pair
+
+    !> Return the second derivative of the gap angle of a pair with respect to the arc length of
+    !> flank 1 [rad/mm²].
+    pure function gap_bend(facing, pair) result(bend)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
+        !> The pair
+        type(pair_type), intent(in) :: pair
+        real(wp) :: bend
+
+        real(wp) :: point(2), tangent(2), curvature(2), rise(2), turn(2), along_2
+
+        call curve_point(facing%flank_1%curve, pair%s_1, point, tangent, curvature(1))
+        call curve_point(facing%flank_2%curve, pair%s_2, point, tangent, curvature(2))
+        rise = [dot_product(pair%point_1, pair%tangent_1), &
+            & dot_product(pair%point_2, pair%tangent_2)]
+        turn = [cross(pair%point_1, pair%tangent_1), cross(pair%point_2, pair%tangent_2)]
+        along_2 = rise(1)/rise(2)
+        ! derivative of the slope of complete_pair, with dt/ds = -κ n
+        bend = (turn(2)/rise(2)*(1.0_wp + curvature(1)*turn(1) &
+            & - along_2**2*(1.0_wp + curvature(2)*turn(2))) &
+            & + rise(1)*(curvature(1) - along_2*curvature(2) - 2.0_wp*pair%slope))/pair%radius**2
+    end function gap_bend
 
     !> Return an approximate intersection of flank 2 with the circle through another point of flank
     !> 1, from dr = (P·t) ds/r.

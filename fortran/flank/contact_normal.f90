@@ -35,13 +35,15 @@ contains
 
     !> Return the direction of the force over a contact. It is undefined if the gap is constant:
     !> each point then has its own normal.
-    pure function contact_normal(facing, zone, reach) result(normal)
+    pure function contact_normal(facing, zone, reach, ends) result(normal)
         !> Flanks and their frames
         type(facing_type), intent(in) :: facing
         !> Contact zone
         type(zone_type), intent(in) :: zone
         !> Contact lengths on both sides of the least gap [mm], shape (2)
         real(wp), intent(in) :: reach(2)
+        !> Pairs at nearly these lengths, if known
+        type(pair_type), intent(in), optional :: ends(2)
         type(normal_type) :: normal
 
         real(wp) :: low, high, room(2), weight(2), turn(2), along(2), length(2)
@@ -50,9 +52,14 @@ contains
         associate (nearest => zone%nearest)
             low = max(nearest%s_1 - reach(1), zone%s_1_low)
             high = min(nearest%s_1 + reach(2), zone%s_1_high)
-            first = pair_at(low)
             middle = pair_at(0.5_wp*(low + high))
-            last = pair_at(high)
+            if (present(ends)) then
+                first = moved(ends(1), low)
+                last = moved(ends(2), high)
+            else
+                first = pair_at(low)
+                last = pair_at(high)
+            end if
             room = [nearest%s_1 - low, high - nearest%s_1]
             weight = room**2/sum(room**2)
             along = weight(1)*(chord(first%point_1, nearest%point_1) &
@@ -87,6 +94,21 @@ contains
             call pair_on_circle(facing, s_1, [zone%s_2_low, zone%s_2_high], pair, found)
             if (.not. found) pair = zone%nearest
         end function pair_at
+
+        !> Return a pair with its points moved a little along the tangents.
+        pure function moved(pair, s_1) result(beside)
+            !> The pair
+            type(pair_type), intent(in) :: pair
+            !> Arc length of flank 1 [mm]
+            real(wp), intent(in) :: s_1
+            type(pair_type) :: beside
+
+            beside = pair
+            beside%s_1 = s_1
+            beside%s_2 = guessed_s_2(pair, s_1)
+            beside%point_1 = pair%point_1 + (s_1 - pair%s_1)*pair%tangent_1
+            beside%point_2 = pair%point_2 + (beside%s_2 - pair%s_2)*pair%tangent_2
+        end function moved
 
         !> Return the unit vector from one point to another, zero if they coincide.
         pure function chord(from, to) result(direction)

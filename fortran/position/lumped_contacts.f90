@@ -4,6 +4,7 @@ module flankload_lumped_contacts
     use flankload_kinds, only: wp
     use flankload_status, only: code_circle_misses
     use flankload_error, only: error_type, fatal_error
+    use flankload_circle_pair, only: gap_bend
     use flankload_contact_normal, only: contact_normal, normal_type
     use flankload_contact_grid, only: grid_type
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
@@ -130,7 +131,7 @@ contains
                         & position%kernel(z), zone%flank_length)
                 end if
                 call reach_at(position, z, place)
-                call append_place(position, z, place%reach, pairs, found)
+                call append_place(position, z, place, pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses)
                     return
@@ -185,7 +186,7 @@ contains
 
         associate (zone => position%zones(z))
             call reach_of(position%facing(zone%site), zone, position%kernel(z)*place%force, &
-                & place%reach, place%reach_slope)
+                & place%reach, place%reach_slope, place%ends)
             place%reach_slope = position%kernel(z)*place%reach_slope
         end associate
     end subroutine reach_at
@@ -206,12 +207,12 @@ contains
     end subroutine near_field_at
 
     !> Append the pair of a contact.
-    pure subroutine append_place(position, z, reach, pairs, found)
+    pure subroutine append_place(position, z, place, pairs, found)
         !> Position, and index of the zone
         type(position_type), intent(in) :: position
         integer, intent(in) :: z
-        !> Half-widths of the contact on both sides [mm], shape (2)
-        real(wp), intent(in) :: reach(2)
+        !> Lumped contact, whose half-widths are known
+        type(place_type), intent(in) :: place
         !> Pairs, whose size has been reserved
         type(pairs_type), intent(inout) :: pairs
         !> False if a circle misses flank 2
@@ -223,10 +224,10 @@ contains
 
         site = position%zones(z)%site
         associate (zone => position%zones(z), facing => position%facing(site))
-            normal = contact_normal(facing, zone, reach)
+            normal = contact_normal(facing, zone, place%reach, place%ends)
             grid%n = 1
             grid%first = zone%nearest%s_1
-            grid%cell = cell_of(reach, zone%flank_length)
+            grid%cell = cell_of(place%reach, zone%flank_length)
             call append_pairs(facing, zone, z, grid, normal, position%deviation(site), pairs, found)
             pairs%cell_2(pairs%n) = pairs%cell_1(pairs%n)
         end associate
@@ -261,10 +262,10 @@ contains
         real(wp), parameter :: beyond = 1.0e-3_wp
         integer :: k, side
         integer, allocatable :: loaded(:)
-        real(wp) :: more
+        real(wp) :: more, bend(2)
         logical :: found
         type(pairs_type) :: beside
-        type(place_type) :: changed(2)
+        type(place_type) :: changed(2), wider
 
         loaded = pack(system%of, forces(system%of) > 0.0_wp)
         call reserve_pairs(beside, size(loaded))
@@ -272,20 +273,25 @@ contains
             associate (place => system%places(loaded(k)), zone => position%zones(loaded(k)))
                 ! the normal of a smaller contact turns by rounding errors only
                 if (sum(place%reach) < 2.0_wp*least_half_width(zone%flank_length)) cycle
-                more = beyond*place%force
                 do side = 1, 2
+                    bend(side) = -gap_bend(position%facing(zone%site), place%ends(side)) &
+                        & *zone%lever*place%reach_slope(side)**3/position%kernel(loaded(k))
+                end do
+                do side = 1, 2
+                    more = (2*side - 3)*beyond*place%force
                     changed(side) = place
-                    changed(side)%force = place%force + (2*side - 3)*more
-                    changed(side)%reach = place%reach + (2*side - 3)*more*place%reach_slope
-                    call reach_at(position, loaded(k), changed(side))
+                    changed(side)%force = place%force + more
+                    changed(side)%reach = place%reach + more*(place%reach_slope + 0.5_wp*more*bend)
+                    changed(side)%reach_slope = place%reach_slope + more*bend
                     call near_field_at(position, loaded(k), changed(side))
                 end do
                 place%moment(2) = 0.5_wp*(changed(2)%moment(1) - changed(1)%moment(1))/more
                 place%give(2) = 0.5_wp*(changed(2)%give(1) - changed(1)%give(1))/more
                 place%tilt(2) = 0.5_wp*(changed(2)%tilt(1) - changed(1)%tilt(1))/more
                 more = little*place%force
-                call append_place(position, loaded(k), &
-                    & place%reach + more*place%reach_slope, beside, found)
+                wider = place
+                wider%reach = place%reach + more*place%reach_slope
+                call append_place(position, loaded(k), wider, beside, found)
                 if (.not. found) return
                 place%lever_slope = (beside%lever(beside%n) - place%lever)/more
                 place%torque_lever_slope = (beside%torque_lever(beside%n) - place%torque_lever)/more

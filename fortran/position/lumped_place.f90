@@ -20,6 +20,8 @@ module flankload_lumped_place
         !> Half-widths of the contact on both sides [mm], and their derivatives with respect to the
         !> force [mm/N]
         real(wp) :: reach(2) = 0.0_wp, reach_slope(2) = 0.0_wp
+        !> Pairs at nearly these half-widths, of the last evaluation of the gaps
+        type(pair_type) :: ends(2)
         !> Approach of both bodies by the near field [mm], and its derivative with respect to the
         !> force [mm/N]
         real(wp) :: approach = 0.0_wp, approach_slope = 0.0_wp
@@ -62,7 +64,7 @@ contains
     !>
     !> Newton's method for the gap as a power of the distance is exact for parabolas and wedges; the
     !> interval is bisected if a step leaves it.
-    pure subroutine reach_of(facing, zone, growth, reach, slope)
+    pure subroutine reach_of(facing, zone, growth, reach, slope, ends)
         !> Flanks and their frames
         type(facing_type), intent(in) :: facing
         !> The zone
@@ -74,6 +76,8 @@ contains
         real(wp), intent(inout) :: reach(2)
         !> Derivatives with respect to the growth; 0 at the end of the range
         real(wp), intent(out) :: slope(2)
+        !> Pairs at nearly these distances
+        type(pair_type), intent(out) :: ends(2)
 
         !> Tolerance of the relative growth: after one more step, the error is of the order of its
         !> square, below rounding.
@@ -93,12 +97,14 @@ contains
             x = min(room(side), reach(side))
             slope(side) = 0.0_wp
             pair = zone%nearest
+            ends(side) = pair
             do step = 1, max_steps
                 at = x
                 pair%s_2 = guessed_s_2(pair, zone%nearest%s_1 + sense*at)
                 call pair_on_circle(facing, zone%nearest%s_1 + sense*at, &
                     & [zone%s_2_low, zone%s_2_high], pair, found)
                 if (found) then
+                    ends(side) = pair
                     part = (pair%gap_angle - zone%gap_angle - zone%tilt*sense*at) &
                         & *zone%lever/growth
                     part_slope = sense*(pair%slope - zone%tilt)*zone%lever/growth

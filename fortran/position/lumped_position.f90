@@ -34,9 +34,11 @@ module flankload_lumped_position
     !> former, the ratio of near field and force replaces the derivative, and the error decreases
     !> tenfold per pass for flanks of any shape.
     integer, parameter :: newton_passes = 12, max_passes = 60
-    !> Relative change of the forces below which gaps are evaluated, and relative change since then
-    !> at convergence: the error is of the order of its square after the pass with all derivatives.
-    real(wp), parameter :: nearly = 0.1_wp, settled = 1.0e-6_wp
+    !> Relative change of the forces below which gaps are evaluated, below which the next pass has
+    !> all derivatives and a certificate (without those of the levers, the error decreases a
+    !> thousandfold), and since the last evaluation at convergence: the error is of the order of its
+    !> square.
+    real(wp), parameter :: nearly = 0.1_wp, close = 3.0e-4_wp, settled = 1.0e-6_wp
     !> Growth of a force since the last evaluation of its gap above which the gap is evaluated
     !> again: a power law for a small force is inaccurate beyond a nearby corner.
     real(wp), parameter :: many_times = 4.0_wp
@@ -60,7 +62,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: pass, pivots
-        logical :: included(size(position%zones)), done, solved
+        logical :: included(size(position%zones)), done, last_pass, solved
         real(wp) :: change, since_update, forces(size(position%zones)), last(size(position%zones))
         type(lumped_system) :: system
 
@@ -85,32 +87,36 @@ contains
                 since_update = huge(1.0_wp)
                 change = huge(1.0_wp)
             end if
-            if ((change <= nearly .and. since_update > settled) .or. (since_update < huge(1.0_wp) &
-                & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
+            if (since_update > settled .and. (change <= nearly .or. (since_update < huge(1.0_wp) &
+                & .and. any(forces(system%of) > many_times*system%places(system%of)%force)))) then
                 call update_contacts(meshes, position, system, forces, state%pairs, error)
                 if (allocated(error)) return
                 since_update = 0.0_wp
-            else
+            else if (since_update > settled) then
                 call follow_places(position, some_force(forces, system%full), system, state%pairs)
             end if
+            last_pass = since_update <= settled .and. change <= merge(close, settled, &
+                & pass <= newton_passes)
+            if (last_pass) call differentiate_levers(position, forces, system)
             last = forces
             ! with friction K is not symmetric
-            solved = pass <= newton_passes .and. size(system%tangential, 2) == 0
+            solved = pass <= newton_passes .and. size(system%tangential, 2) == 0 &
+                & .and. .not. last_pass
             if (solved) call step_places(meshes, position, system, forces, state%motion, &
                 & pivots, solved)
             if (solved) call count_lumped(pivots, state)
-            if (.not. solved) call solve_pass(meshes, position, system, pass > newton_passes, &
-                & forces, state, error)
+            if (.not. solved) call solve_pass(meshes, position, system, pass > newton_passes &
+                & .and. .not. last_pass, forces, state, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_update = since_update + change
-            done = since_update <= settled
+            done = last_pass .and. since_update <= settled
             if (done) call extend(bodies, meshes, forces, state%motion, position, included, &
                 & system, done)
             if (done) exit
         end do
         if (.not. done) call fatal_error(error, code_unsettled_widths)
-        if (done) call finish(meshes, position, system, forces, state, error)
+        if (done) call finish(meshes, position, system, state)
         if (.not. allocated(error)) start = start_from(position, system, forces)
     end subroutine solve_lumped
 
@@ -254,24 +260,16 @@ contains
         under = merge(force, least_load_share*full, force > 0.0_wp)
     end function some_force
 
-    !> Solve the last pass with the derivatives of all quantities that depend on the forces, and sum
-    !> up the state.
-    subroutine finish(meshes, position, system, forces, state, error)
+    !> Sum up the state of the last pass.
+    pure subroutine finish(meshes, position, system, state)
         !> The meshes, and the position
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts under these forces
-        type(lumped_system), intent(inout) :: system
-        !> Forces of the zones [N], shape (zones)
-        real(wp), intent(inout) :: forces(:)
-        !> State with its pairs on entry
+        type(lumped_system), intent(in) :: system
+        !> The state, solved on entry
         type(position_state), intent(inout) :: state
-        !> Set if no state was found
-        type(error_type), allocatable, intent(out) :: error
 
-        call differentiate_levers(position, forces, system)
-        call solve_pass(meshes, position, system, .false., forces, state, error)
-        if (allocated(error)) return
         associate (places => system%places(system%of), side => position%zones(system%of)%side)
             if (allocated(state%pairs%friction)) state%pairs%torque_lever = side &
                 & *(places%torque_lever + state%pairs%friction*places%lever_along)

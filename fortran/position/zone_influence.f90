@@ -6,6 +6,7 @@ module flankload_zone_influence
     use flankload_kinds, only: wp
     use flankload_body_places, only: mode_slopes, places_at_zones
     use flankload_cell_field, only: mirror
+    use flankload_circle_pair, only: pair_type
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: in_slice, member_of, zone_type
@@ -298,13 +299,15 @@ contains
         real(wp) :: half_width
 
         real(wp) :: reach(2), slope(2)
+        type(pair_type) :: ends(2)
 
         associate (zone => position%zones(z))
             half_width = hertz_half_width(force, zone%curvature, position%kernel(z), &
                 & zone%flank_length)
             if (zone%corner == 0 .or. zone%curvature > 0.0_wp .or. .not. force > 0.0_wp) return
             reach = usual_half_width*zone%flank_length
-            call reach_of(position%facing(zone%site), zone, position%kernel(z)*force, reach, slope)
+            call reach_of(position%facing(zone%site), zone, position%kernel(z)*force, reach, &
+                & slope, ends)
             half_width = 0.5_wp*sum(reach)
         end associate
     end function half_width_of
