@@ -30,9 +30,9 @@ module flankload_lumped_position
 
     public :: solve_lumped
 
-    !> Number of passes with Newton's method, which takes 4 to 6, and of all passes: after the
-    !> former, the ratio of near field and force replaces the derivative, and the error decreases
-    !> tenfold per pass for flanks of any shape.
+    !> Number of consecutive passes with Newton's method, which takes 3 to 5, and of all passes:
+    !> for as many passes after the former, the ratio of near field and force replaces the
+    !> derivative, and the error decreases for flanks of any shape.
     integer, parameter :: newton_passes = 12, max_passes = 60
     !> Relative change of the forces below which gaps are evaluated, below which the next pass has
     !> all derivatives and a certificate (without those of the levers, the error decreases a
@@ -61,8 +61,8 @@ contains
         !> Set if no state was found
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: pass, pivots
-        logical :: included(size(position%zones)), done, last_pass, solved
+        integer :: pass, begun, pivots
+        logical :: included(size(position%zones)), done, tangents, last_pass, solved
         real(wp) :: change, since_update, forces(size(position%zones)), last(size(position%zones))
         type(lumped_system) :: system
 
@@ -84,6 +84,7 @@ contains
                 if (pass > 1 .or. .not. allocated(start%places)) call take_parabolas(position, &
                     & some_force(forces, system%full), system)
                 call reserve_pairs(state%pairs, size(system%of))
+                begun = pass
                 since_update = huge(1.0_wp)
                 change = huge(1.0_wp)
             end if
@@ -95,18 +96,17 @@ contains
             else if (since_update > settled) then
                 call follow_places(position, some_force(forces, system%full), system, state%pairs)
             end if
-            last_pass = since_update <= settled .and. change <= merge(close, settled, &
-                & pass <= newton_passes)
+            tangents = modulo(pass - begun, 2*newton_passes) < newton_passes
+            last_pass = since_update <= settled .and. change <= merge(close, settled, tangents)
             if (last_pass) call differentiate_levers(position, forces, system)
             last = forces
             ! with friction K is not symmetric
-            solved = pass <= newton_passes .and. size(system%tangential, 2) == 0 &
-                & .and. .not. last_pass
+            solved = tangents .and. size(system%tangential, 2) == 0 .and. .not. last_pass
             if (solved) call step_places(meshes, position, system, forces, state%motion, &
                 & pivots, solved)
             if (solved) call count_lumped(pivots, state)
-            if (.not. solved) call solve_pass(meshes, position, system, pass > newton_passes &
-                & .and. .not. last_pass, forces, state, error)
+            if (.not. solved) call solve_pass(meshes, position, system, .not. (tangents &
+                & .or. last_pass), forces, state, error)
             if (allocated(error)) return
             change = maxval(abs(forces - last))/maxval(forces)
             since_update = since_update + change
