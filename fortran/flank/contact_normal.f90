@@ -95,31 +95,6 @@ contains
             if (.not. found) pair = zone%nearest
         end function pair_at
 
-        !> Return a pair with its points moved a little along the tangents.
-        pure function moved(pair, s_1) result(beside)
-            !> The pair
-            type(pair_type), intent(in) :: pair
-            !> Arc length of flank 1 [mm]
-            real(wp), intent(in) :: s_1
-            type(pair_type) :: beside
-
-            beside = pair
-            beside%s_1 = s_1
-            beside%s_2 = guessed_s_2(pair, s_1)
-            beside%point_1 = pair%point_1 + (s_1 - pair%s_1)*pair%tangent_1
-            beside%point_2 = pair%point_2 + (beside%s_2 - pair%s_2)*pair%tangent_2
-        end function moved
-
-        !> Return the unit vector from one point to another, zero if they coincide.
-        pure function chord(from, to) result(direction)
-            !> Points [mm]
-            real(wp), intent(in) :: from(2)
-            real(wp), intent(in) :: to(2)
-            real(wp) :: direction(2)
-
-            direction = (to - from)/max(norm2(to - from), tiny(1.0_wp))
-        end function chord
-
         !> Return the rate of rotation of a body's normal, or that of the other body if the flank
         !> turns away sharply.
         pure function limited_rate(own, other) result(turning)
@@ -136,6 +111,31 @@ contains
         end function limited_rate
 
     end function contact_normal
+
+    !> Return the unit vector from one point to another, zero if they coincide.
+    pure function chord(from, to) result(direction)
+        !> Points [mm]
+        real(wp), intent(in) :: from(2)
+        real(wp), intent(in) :: to(2)
+        real(wp) :: direction(2)
+
+        direction = (to - from)/max(norm2(to - from), tiny(1.0_wp))
+    end function chord
+
+    !> Return a pair with its points moved a little along the tangents.
+    pure function moved(pair, s_1) result(beside)
+        !> The pair
+        type(pair_type), intent(in) :: pair
+        !> Arc length of flank 1 [mm]
+        real(wp), intent(in) :: s_1
+        type(pair_type) :: beside
+
+        beside = pair
+        beside%s_1 = s_1
+        beside%s_2 = guessed_s_2(pair, s_1)
+        beside%point_1 = pair%point_1 + (s_1 - pair%s_1)*pair%tangent_1
+        beside%point_2 = pair%point_2 + (beside%s_2 - pair%s_2)*pair%tangent_2
+    end function moved
 
     !> Return the direction of the force at a point of the contact.
     pure function normal_at(normal, s_1, body) result(direction)

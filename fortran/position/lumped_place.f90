@@ -74,9 +74,8 @@ contains
         !> Distances towards smaller and greater arc length of flank 1 [mm], within the range of the
         !> zone; on entry, initial values
         real(wp), intent(inout) :: reach(2)
-        !> Derivatives with respect to the growth; 0 at the end of the range
+        !> Derivatives with respect to the growth, 0 at the end of the range, and pairs nearly there
         real(wp), intent(out) :: slope(2)
-        !> Pairs at nearly these distances
         type(pair_type), intent(out) :: ends(2)
 
         !> Tolerance of the relative growth: after one more step, the error is of the order of its
@@ -120,11 +119,9 @@ contains
                     if (part > 0.0_wp .and. part_slope > 0.0_wp) then
                         slope(side) = 1.0_wp/(part_slope*growth)
                         next = at*part**(-part/(at*part_slope))
-                        if (abs(part - 1.0_wp) <= tolerance) then
-                            x = next
-                            exit
-                        end if
-                        if (next > inner .and. next < outer) x = next
+                        if (abs(part - 1.0_wp) <= tolerance &
+                            & .or. (next > inner .and. next < outer)) x = next
+                        if (abs(part - 1.0_wp) <= tolerance) exit
                     end if
                 else
                     outer = x

@@ -12,7 +12,7 @@ module flankload_lumped_position
     use flankload_error, only: error_type, fatal_error
     use flankload_contact_zones, only: in_slice, zone_type
     use flankload_contact_reach, only: is_level
-    use flankload_contact_pairs, only: reserve_pairs
+    use flankload_contact_pairs, only: pairs_type, reserve_pairs
     use flankload_mesh, only: body_type, mesh_type
     use flankload_lumped_contacts, only: differentiate_levers, follow_places, take_parabolas, &
         & update_contacts, widest_contacts
@@ -88,14 +88,9 @@ contains
                 since_update = huge(1.0_wp)
                 change = huge(1.0_wp)
             end if
-            if (since_update > settled .and. (change <= nearly .or. (since_update < huge(1.0_wp) &
-                & .and. any(forces(system%of) > many_times*system%places(system%of)%force)))) then
-                call update_contacts(meshes, position, system, forces, state%pairs, error)
-                if (allocated(error)) return
-                since_update = 0.0_wp
-            else if (since_update > settled) then
-                call follow_places(position, some_force(forces, system%full), system, state%pairs)
-            end if
+            call place_contacts(meshes, position, forces, change, system, state%pairs, &
+                & since_update, error)
+            if (allocated(error)) return
             tangents = modulo(pass - begun, 2*newton_passes) < newton_passes
             last_pass = since_update <= settled .and. change <= merge(close, settled, tangents)
             if (last_pass) call differentiate_levers(position, forces, system)
@@ -119,6 +114,34 @@ contains
         if (done) call finish(meshes, position, system, state)
         if (.not. allocated(error)) start = start_from(position, system, forces)
     end subroutine solve_lumped
+
+    !> Evaluate the contacts under other forces, or follow these by powers; neither if the forces
+    !> have hardly changed since the last evaluation.
+    pure subroutine place_contacts(meshes, position, forces, change, system, pairs, &
+            & since_update, error)
+        !> The meshes, and the position
+        type(mesh_type), intent(in) :: meshes(:)
+        type(position_type), intent(in) :: position
+        !> Forces of the zones [N], shape (zones), and their relative change in the last pass
+        real(wp), intent(in) :: forces(:)
+        real(wp), intent(in) :: change
+        !> Lumped contacts, and their pairs
+        type(lumped_system), intent(inout) :: system
+        type(pairs_type), intent(inout) :: pairs
+        !> Relative change of the forces since the last evaluation
+        real(wp), intent(inout) :: since_update
+        !> Set if a circle misses flank 2
+        type(error_type), allocatable, intent(out) :: error
+
+        if (.not. since_update > settled) return
+        if (change <= nearly .or. (since_update < huge(1.0_wp) &
+            & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
+            call update_contacts(meshes, position, system, forces, pairs, error)
+            since_update = 0.0_wp
+        else
+            call follow_places(position, some_force(forces, system%full), system, pairs)
+        end if
+    end subroutine place_contacts
 
     !> Return what a state in the same position starts from.
     pure function start_from(position, system, forces) result(start)
