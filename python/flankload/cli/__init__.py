@@ -139,9 +139,9 @@ def _add(parser: Any, option: str, text: str, **options: Any) -> None:
     parser.add_argument(name, help=text, **(kinds | options))
 
 
-def _add_set(add: partial[None], words: str = "value of a key of the scene") -> None:
+def _add_set(add: partial[None], words: str = "set a key of the scene") -> None:
     """Add the option that sets keys of the scene."""
-    text = f"{words}, by its path, as body_1.tip_relief_um=20 (nothing: no such key)"
+    text = f"{words}, such as body_1.tip_relief_um=20 (an empty value removes the key)"
     add("--set KEY=VALUE", f"{text}; may be repeated", dest="settings", **REPEATED)
 
 
@@ -194,7 +194,7 @@ def _add_explore(commands: Any) -> None:
         "key with a slider, and its range; may be repeated; default: those that designers adjust",
         **REPEATED,
     )
-    add("--port N", "port of the page on this machine; default: any that is free", type=int,
+    add("--port N", "port of the page on this machine; default: any free port", type=int,
         default=0)  # fmt: skip
     add("--no-browser", "print the address and open no browser")
 
@@ -301,8 +301,8 @@ def _add_verify(commands: Any) -> None:
     )
     add(
         "--elements N",
-        "elements on the half-width of each contact; default: 6, or 1 of solids, whose "
-        "other elements and layers follow in proportion",
+        "elements on the half-width of each contact; default: 6, for solids 1 (their other "
+        "elements and layers follow in proportion)",
         type=float,
     )
     add(
@@ -317,10 +317,10 @@ def _add_verify(commands: Any) -> None:
 def _add_benchmark(commands: Any) -> None:
     words = "compare with reference results of other programs and closed forms"
     add = _command(commands, "benchmark", benchmark, words, None)
-    words = "cases, each with all of its quantities; default: all, a line each"
+    words = "cases to compare in all quantities; default: all cases, with a line each"
     add("cases CASE", words, nargs="*")
     add("--folder DIR", "folder of the cases; default: benchmarks", default=Path("benchmarks"))
-    words = "compare the answers of another program in this file (JSON) instead"
+    words = "compare the answers in this file (JSON), written by another program, instead"
     add("--answers FILE", words, type=Path)
     words = "write the answers to this file (JSON; - for stdout, in place of the table)"
     add("-o FILE", words, dest="output", type=Path)
@@ -328,7 +328,7 @@ def _add_benchmark(commands: Any) -> None:
 
 
 def _add_optimise(commands: Any) -> None:
-    words = "find the values of scene keys for which a key figure is smallest, with gradients"
+    words = "minimise a key figure over values of scene keys, with gradients"
     file = ("OPTIMISATION", "file (TOML) with the scene, variables, objective and constraints")
     add = _command(commands, "optimise", optimise, words, file)
     add("-o FILE", "write the optimal scene to this file", dest="output", type=Path)
@@ -340,7 +340,7 @@ def _add_scene(commands: Any) -> None:
     add = _command(commands, "scene", scene, words, file)
     add("--stage ID", "id of the stage; default: the only one")
     add("-o FILE", "write the scene to this file (- for stdout)", dest="output", type=Path)
-    words = "torque on gear 1; required if the model has none of this stage"
+    words = "torque on gear 1; required if the model has none for this stage"
     add("--torque-Nm T", words, dest="torque_Nm", type=float)
     add("--load-case ID", "id of the load case; default: the only one")
     add(
@@ -349,14 +349,16 @@ def _add_scene(commands: Any) -> None:
         action="store",
         choices=("left", "right"),
     )
-    _add_set(add, "value of a key of the scene, in place of that of the model")
+    _add_set(add, "set a key of the scene, in place of the value of the model")
 
 
 def _add_check_and_schema(commands: Any) -> None:
     words = "validate a scene or a mesh file and print how it is interpreted"
     add = _command(commands, "check", check, words, ("FILE", "scene (.toml) or mesh file"))
     _add_set(add)
-    add("--modes", "print the natural frequencies of a planetary stage, by its own stiffness")
+    add(
+        "--modes", "print the natural frequencies of a planetary stage, from its computed stiffness"
+    )
 
     add = _command(commands, "schema", schema, "print the JSON schema of scene files", None)
     add("--paths", "print a line for each key instead: path, unit, range, meaning")

@@ -135,8 +135,8 @@ SCENE_TEXTS: dict[int, str] = {
         "only tips or fillets can touch here, which effects.tip_contact = false excludes"
     ),
     Status.NOT_IN_SLICES: (
-        "cells of slices along the face width do not support finite forces, nor flanks that "
-        "conform in slices friction and expansion"
+        "slices along the face width do not support finite forces, and slices of conforming "
+        "flanks support neither friction nor expansion"
     ),
 }
 #: Search for the largest torque that a jammed pair can hold: first torque over the requested one,

@@ -104,8 +104,7 @@ def _of_modes(
             file=imported.file,
             key="smooth",
             expected=f"smooth[{'j f + i' if f else '-t'}] to be smooth[{'i f + j' if f else 't'}] "
-            "transposed (what a moves at b, b moves at a), to "
-            f"{LARGEST_ASYMMETRY:g} of the largest entry",
+            f"transposed (reciprocity), to {LARGEST_ASYMMETRY:g} of the largest entry",
             found=f"{asymmetry:.3g}",
         )
     low, high = body.mode_range_mm
@@ -126,7 +125,7 @@ def _of_modes(
             file=imported.file,
             key="smooth",
             expected="a compliance that is positive definite together with its kernel, since any "
-            "load takes up work",
+            "load does positive work",
             found=f"an eigenvalue of {least:.3g}",
         )
     found = BodyCompliance(

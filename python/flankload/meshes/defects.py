@@ -93,7 +93,7 @@ def sound_body(raw: RawMesh, key: str, *, one_material: bool = False) -> PlaneBo
     notes = list(raw.notes)
     if linear:
         notes.append(
-            "linear elements are raised to quadratic ones on straight edges: finer elements, or "
+            "linear elements become quadratic ones with straight edges: finer elements, or "
             "quadratic ones with their middle nodes on the profile, follow the flank better"
         )
     if turned:

@@ -191,13 +191,14 @@ def _warn_of_short_path(
     """Warn if at some positions no section of the width has contact on both involutes."""
     if contact_ratio + overlap < 1.0:
         warnings.append(
-            f"the contact ratio is {contact_ratio + overlap:.3f}: between two flanks a tip corner "
-            "carries"
+            f"the contact ratio is {contact_ratio + overlap:.3f}: between two flank contacts, a "
+            "tip corner carries the load"
         )
     elif usable + overlap < 1.0:
         warnings.append(
             f"both flanks are involutes over {usable:.3f} of the contact ratio of "
-            f"{contact_ratio:.3f}: between two flanks a fillet or a tip rounding carries"
+            f"{contact_ratio:.3f}: between two such contacts, a fillet or a tip rounding carries "
+            "the load"
         )
 
 

@@ -32,7 +32,7 @@ ASYMMETRY = 1e-6
 COMPLIANCE = (
     "6 n rows of 6 n numbers for n planets: displacements and rotations (x, y, z) of each pin in "
     "the middle of its planet under forces (N) and moments (N mm) on all pins, planet after "
-    "planet, in the frame of the carrier; rotations about z do not count"
+    "planet, in the frame of the carrier; rotations about z are ignored"
 )
 
 
@@ -141,4 +141,4 @@ def check_compliance(rows: Any, planets: int, key: str) -> None:
         refuse(key, "a symmetric matrix", "an asymmetric one")
     scaled = 0.5 * (matrix + matrix.T) / scale
     if (np.diag(matrix) < 0).any() or np.linalg.eigvalsh(scaled).min() < -ASYMMETRY:
-        refuse(key, "a positive semidefinite matrix: no forces push a pin towards them", "none")
+        refuse(key, "a positive semidefinite matrix, since forces never do negative work", "none")

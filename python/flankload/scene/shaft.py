@@ -237,5 +237,5 @@ def _check_compliance(rows: "Floats", key: str) -> None:
     unit = rows / np.outer(np.where(scales > 0, scales, 1.0), np.where(scales > 0, scales, 1.0))
     least = float(np.linalg.eigvalsh(0.5 * (unit + unit.T))[0])
     if least < -RELATIVE_ROUNDING:
-        expected = "a matrix without negative eigenvalues: no load moves the shaft against itself"
+        expected = "a matrix without negative eigenvalues, since loads never do negative work"
         refuse(f"{key}.compliance", expected, f"one of {least:.3g} relative to the diagonal")

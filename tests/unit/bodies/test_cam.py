@@ -170,7 +170,7 @@ def kinked(lift: float) -> list:
     [
         (disc()[:7], "body_2.profile: expected 8 to 10000 rows of angle and radius, found 7"),
         ([*disc(), [360.0, 38.1]], ("body_2.profile: expected a periodic table, whose last row "
-         "repeats the radius of the first one a turn on, found 38 mm at 0 deg and 38.1 mm at "
+         "repeats the radius of the first, one turn later, found 38 mm at 0 deg and 38.1 mm at "
          "360 deg")),
         (disc()[:40], ("body_2.profile: expected rows at most 30 deg apart all around, found none "
          "between 195 and 360 deg")),

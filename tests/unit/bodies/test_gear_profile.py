@@ -334,7 +334,7 @@ def test_outline_goes_from_cut_to_cut() -> None:
         ({"dedendum_factor": 2.2}, "dedendum_factor", "less than 2.1579", "2.2"),
         ({"profile_shift": -5.0}, "profile_shift", "thickness at its base", "-5"),
         ({"tip_radius_mm": 5.0}, "tip_radius_mm", "largest rounding", "5"),
-        ({"tip_chamfer_mm": 9.0}, "tip_chamfer_mm", "less than the flank is high", "9"),
+        ({"tip_chamfer_mm": 9.0}, "tip_chamfer_mm", "less than the height of the flank", "9"),
         (
             {"tip_relief_um": 10.0, "tip_relief_start_diameter_mm": 60.0},
             "tip_relief_start_diameter_mm",
@@ -384,7 +384,7 @@ def test_relief_that_is_too_steep_is_not_called_too_deep() -> None:
     with pytest.raises(SceneError) as caught:
         gear_profile(spec, "body_1")
     assert caught.value.key == "body_1.tip_relief_um"
-    assert caught.value.expected.startswith("a modification less steep")
+    assert caught.value.expected.startswith("a less steep modification")
 
 
 def test_profile_of_a_mesh_takes_its_teeth_from_outside() -> None:

@@ -336,7 +336,7 @@ def test_linear_elements_are_raised_and_noted(tmp_path: Path) -> None:
 
     path = changed(tmp_path, linear)
     found = solve(mesh_scene(path))
-    assert any("raised to quadratic" in warning for warning in found.warnings)
+    assert any("become quadratic" in warning for warning in found.warnings)
     exact = solve(mesh_scene())
     # straight edges of 0.5 mm leave the flank by up to 15 um at its foot
     interior = ~exact.corner_contact.any(axis=1) & ~found.corner_contact.any(axis=1)

@@ -251,8 +251,8 @@ def test_body_has_the_data_for_pairing() -> None:
             "nothing: the largest arc, 1.29529,",
         ),
         ({"tip_radius_mm": 3.0}, "tip_radius_mm", "largest rounding", "3"),
-        ({"tip_chamfer_mm": 9.0}, "tip_chamfer_mm", "less than the flank is high", "9"),
-        ({"tip_chamfer_mm": 5.0}, "tip_chamfer_mm", "about half the tip is wide", "5"),
+        ({"tip_chamfer_mm": 9.0}, "tip_chamfer_mm", "less than the height of the flank", "9"),
+        ({"tip_chamfer_mm": 5.0}, "tip_chamfer_mm", "about half the width of the tip", "5"),
         (
             {"tip_relief_um": 10.0, "tip_relief_start_diameter_mm": 187.0},
             "tip_relief_start_diameter_mm",

@@ -254,13 +254,13 @@ def test_refused_shafts(
         (
             altered(1, 1, -1e-6),
             "",
-            "a matrix without negative eigenvalues: no load moves the shaft against itself",
+            "a matrix without negative eigenvalues, since loads never do negative work",
             "one of -1 relative to the diagonal",
         ),
         (
             coupled(),
             "",
-            "a matrix without negative eigenvalues: no load moves the shaft against itself",
+            "a matrix without negative eigenvalues, since loads never do negative work",
             "one of -2.16 relative to the diagonal",
         ),
         (altered(0, 4, 1e-8), "[0][4]", "0, as in [4][0]: a compliance is symmetric", "1e-08"),

@@ -191,7 +191,7 @@ def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
     if span > 360.0 - ANGLE_TOLERANCE_DEG:
         if abs(radius[-1] - radius[0]) > RADIUS_TOLERANCE_MM:
             refuse(
-                "a periodic table, whose last row repeats the radius of the first one a turn on",
+                "a periodic table, whose last row repeats the radius of the first, one turn later",
                 f"{radius[0]:g} mm at {angle[0]:g} deg and {radius[-1]:g} mm at {angle[-1]:g} deg",
             )
         angle, radius = angle[:-1], radius[:-1]

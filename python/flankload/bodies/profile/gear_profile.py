@@ -143,7 +143,7 @@ def _check_tooth(
     end = start.beta if start.free is None else rack.end_angle_rad
     foot = rack.fillet(np.linspace(0.5 * pi, end, 200))[0]
     if foot[:, 1].min() <= 0.0:
-        expected = "a profile shift at which the rack does not cut the tooth off its foot"
+        expected = "a profile shift at which the rack does not cut off the tooth at its foot"
         refuse(f"{key}.profile_shift", expected, f"{spec.profile_shift:g}")
     if involute.tip_radius_mm <= involute.form_radius_mm:
         expected = f"more than the form diameter {2 * involute.form_radius_mm:.4f}, where the "

@@ -112,8 +112,7 @@ def _check_amounts(modifications: Modifications, spec: InvoluteKeys, base: float
                 f"{1000 * base * form_roll:.3f} um at the form circle"
             )
             if not enough
-            else "a modification less steep than the flank is high, so that the flank goes on "
-            "towards the tip",
+            else "a less steep modification, with which the flank still leads from root to tip",
             found=f"{value:g}",
         )
 
@@ -242,8 +241,8 @@ def _tip_chamfer(
     if not (on_flank and reach > 0.0 and _inside_tooth(place + length * direction, involute)):
         largest = outward * (tip_radius - involute.form_radius_mm)
         width = tip_radius * involute.tooth_half_angle_at(tip_radius)
-        expected = f"less than the flank is high ({largest:.4f}) and about half the tip is wide "
-        expected += f"({width:.4f})"
+        expected = f"less than the height of the flank ({largest:.4f}) and about half the width "
+        expected += f"of the tip ({width:.4f})"
         refuse(f"{key}.tip_chamfer_mm", expected, f"{height:g}")
     chamfer = line(place, direction)
     return end, CurvePiece("tip_chamfer", chamfer, 0.0, length, corner_before=True)

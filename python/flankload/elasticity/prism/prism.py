@@ -88,6 +88,6 @@ class Prism:
         if not 0 <= self.load_degree <= most:
             raise SceneError(
                 key="load_degree_z",
-                expected=f"0 ... {most}: axial_degree {self.degree} less {DEGREES_ABOVE_LOADS}",
+                expected=f"0 to {most} (axial_degree {self.degree} minus {DEGREES_ABOVE_LOADS})",
                 found=self.load_degree,
             )

@@ -300,9 +300,8 @@ def state_under(
         alone = -width * unloaded.torque
         if alone > torque_Nmm:
             raise NoContactState(
-                f"{where}: lands that all slide with effects.land_friction = {friction:g} "
-                f"carry {in_newton_metres(alone):.4g} N m without any tooth, more than the torque: "
-                "they stick"
+                f"{where}: with effects.land_friction = {friction:g}, sliding lands alone "
+                f"carry {in_newton_metres(alone):.4g} N m, more than the torque: they stick"
             ) from error
         raise NoContactState(f"{where}: {error}") from error
     account.count(
@@ -315,8 +314,8 @@ def state_under(
         most = np.arange(response.lands) == state.land_lift_mm.argmax()
         land = lands_in_words(response.first_tooth + np.arange(response.teeth), most)
         raise NoContactState(
-            f"{where}: the land {land} lifts {state.land_lift_mm.max():.3g} mm, more than teeth "
-            "are high; belts of this wrap jump below a slack tension of about "
+            f"{where}: the land {land} lifts {state.land_lift_mm.max():.3g} mm, more than the "
+            "height of the teeth; this belt jumps below a slack tension of about "
             f"{_jump_tension(scene, strip, response, torque_Nmm, slack):.3g} N"
         )
     return state

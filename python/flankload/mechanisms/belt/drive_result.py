@@ -137,7 +137,7 @@ def _warnings(scene: Scene, sites: Numbers, drive: BeltDrive) -> tuple[str, ...]
     lands = lands_in_words(sites, np.asarray(drive.lifting.any(axis=0)))
     where = "" if len(drive.lifting) == 1 else f" at {at.size} of {len(drive.lifting)} positions"
     note = (
-        f"the land lifts here: {lands} (of {sites[0]} to {sites[-1]}) the pulley "
+        f"the land lifts here: {lands} (of {sites[0]} to {sites[-1]}), where the pulley "
         f"would have to pull{where}; effects.land_lift = true lets it lift off, a higher slack "
         "tension holds it down"
     )

@@ -148,7 +148,7 @@ def solve_position(scene: Scene, assembly: ChainAssembly, torque_Nmm: float, p: 
     tight = (torque_Nmm + slack * two) / one
     limit = float(wrap.sprocket.jump_tension(np.array(tight), assembly.wrap_angle_rad))
     where = f"position {p} at {in_newton_metres(torque_Nmm):g} N m"
-    needed = f"chains of this wrap jump below a slack tension of about {limit:.3g} N"
+    needed = f"this chain jumps below a slack tension of about {limit:.3g} N"
     try:
         state = solve_wrap(wrap, assembly.chain, torque_Nmm, slack, large_displacement=large)
     except ContactError as error:

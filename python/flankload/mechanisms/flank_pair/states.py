@@ -201,7 +201,7 @@ def position_notes(scene: Scene, pair: BodyPair, error: PositionErrors | None) -
     if error is not None and error.largest > tolerance:
         yield (
             f"{pair.position_rad.size} positions are too few for a tolerance of {tolerance:g}: "
-            f"harmonics are in doubt by {percent(error.harmonics)}, the peak to peak by "
+            f"harmonics are uncertain by {percent(error.harmonics)}, the peak to peak by "
             f"{percent(error.peak_to_peak)} (positions.max_count, positions.tolerance)"
         )
 

@@ -101,7 +101,7 @@ def test_its_place_on_the_axis_changes_nothing() -> None:
 def test_modes_in_z_that_the_elements_cannot_carry_are_refused() -> None:
     with pytest.raises(SceneError) as caught:
         _found(degree=6, load_degree=3)
-    assert str(caught.value) == ("load_degree_z: expected 0 ... 2: axial_degree 6 less 4, found 3")
+    assert str(caught.value) == ("load_degree_z: expected 0 to 2 (axial_degree 6 minus 4), found 3")
     with pytest.raises(SceneError, match="face_width_mm: expected above 0, found -2"):
         _found(range_mm=(1.0, -1.0))
 
