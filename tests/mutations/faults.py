@@ -309,7 +309,7 @@ _FORTRAN = (
     *_in(
         "elasticity/compliance/loads.py",
         "physics/test_corner_image.py",
-        ("[own, :n, :n] += field.kernel * near", "[own, :n, :n] += self.kernel * 0.9 * near"),
+        ("[own, :p, :p] -= near.normal", "[own, :p, :p] -= 0.9 * near.normal"),
     ),
     *_in(
         "bodies/free_corner.py",
@@ -691,11 +691,15 @@ _PYTHON = (
         ("0.5 * (behind + behind.T)", "behind"),
     ),
     *_in(
-        "elasticity/prism/surface_loads.py",
+        "elasticity/prism/prism.py",
         "unit/elasticity/prism/test_prism_compliance.py physics/test_prism.py",
-        ("-= 0.5 * kernel * potential", "-= kernel * potential"),
-        ("(self.surface.products(self.n_modes))", "(0.9 * self.surface.products(self.n_modes))"),
-        ("along=each, tip=tip, twist=", "along=each, twist="),
+        ("normal = 0.5 * near.kernel", "normal = near.kernel"),
+    ),
+    *_in(
+        "elasticity/compliance/loads.py",
+        "unit/elasticity/prism/test_prism_compliance.py physics/test_prism.py",
+        ("np.linalg.inv(self._near.modes)", "np.linalg.inv(0.9 * self._near.modes)"),
+        ("tip=body.tip,\n                twist=", "twist="),
     ),
     *_in(
         "elasticity/prism/flank_surface.py",
@@ -708,9 +712,9 @@ _PYTHON = (
         ("(self.slope(s) + self.slope(s_load))", "(self.slope(s) + self.slope(s))"),
     ),
     *_in(
-        "elasticity/prism/surface_loads.py",
+        "elasticity/compliance/loads.py",
         "physics/test_friction_of_slices.py",
-        ("response[own, :p, p:] -= self", "response[own, :p, p:] += self"),
+        ("response[own, :p, p:] -= near", "response[own, :p, p:] += near"),
     ),
     *_in(
         "elasticity/prism/flank_surface.py",

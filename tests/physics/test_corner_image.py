@@ -25,9 +25,9 @@ from flankload.elasticity.near_field import (
     projected_image,
     projected_near_field,
 )
-from flankload.elasticity.sector_closure import condense
 from flankload.mechanisms import Earlier, Parts, run_once
 from flankload.scene import Gear, Ring
+from tests.support.condensed import condense
 from tests.support.solving import solve
 
 SCENE = tomllib.loads(

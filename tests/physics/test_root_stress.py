@@ -14,10 +14,11 @@ from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.compliance import JobOptions, RootResponse, flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import mode_norms, mode_values
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.plane_mesh import EDGES
 from flankload.scene import Gear, Ring
+from tests.support.condensed import condense
 from tests.support.plain_elements import nodal_unit_loads
 from tests.support.ring_bodies import RING
 from tests.support.solving import solve

@@ -16,11 +16,12 @@ import flankload as fl
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.description import describe
 from flankload.mechanisms.flank_pair.rims import held_rim, rim_notes
 from flankload.studies.verification.triangles import quadratic, refined, whole_body
+from tests.support.condensed import condense
 from tests.support.pair_scenes import RING_PAIR
 from tests.support.paths import SCENES
 from tests.support.plane_sectors import STEEL

@@ -30,9 +30,9 @@ from flankload.elasticity.near_field import (
     projected_sign,
     to_coefficients,
 )
-from flankload.elasticity.sector_closure import condense
 from flankload.scene import Gear, Ring
 from tests.support.cells_near_field import strip_kernel
+from tests.support.condensed import condense
 
 MODULE = 4.5
 GEAR = {

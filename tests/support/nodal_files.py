@@ -10,7 +10,8 @@ import numpy as np
 from flankload.bodies.body import Body
 from flankload.bodies.free_corner import corner_angles
 from flankload.elasticity.finite_elements import stiffness
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
+from tests.support.condensed import condense
 
 
 def flank_order(body: Body) -> np.ndarray:

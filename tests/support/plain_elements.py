@@ -21,9 +21,10 @@ import flankload as fl
 from flankload.bodies import Body, SectorMesh
 from flankload.bodies.involute import sector_breaks
 from flankload.elasticity.finite_elements import stiffness
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.body_pair import BodyPair
+from tests.support.condensed import condense
 from tests.support.paths import REFERENCE_SOLUTIONS
 
 FILE = REFERENCE_SOLUTIONS / "internal_pair.json"

@@ -12,8 +12,9 @@ import numpy as np
 import flankload as fl
 from flankload.bodies import Body
 from flankload.elasticity.finite_elements import stiffness
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
 from flankload.pairing.body_pair import BodyPair
+from tests.support.condensed import condense
 from tests.support.plain_elements import Hats, blind_pairs, fine_bodies, nodal_unit_loads
 
 

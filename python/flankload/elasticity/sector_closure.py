@@ -28,16 +28,16 @@ from flankload.elasticity.condensed_sector import (
 )
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
-from flankload.elasticity.job_log import JobLog
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from flankload.base.arrays import Complexes, Floats, Numbers
     from flankload.bodies.body import WholeMesh
     from flankload.elasticity.finite_elements import SectionStiffness
+    from flankload.elasticity.job_log import JobLog
 
 
 def condense_sector(
@@ -83,36 +83,6 @@ def condense_sector(
             sector = recovery.read(sector, part, moved)
         log.end_step("solution")
     return sector if columns is loads else sector.with_reactions(columns.shape[2] - p)
-
-
-def condense(
-    stiffness: SectionStiffness,
-    loads: Floats,
-    mesh: SectorMesh | WholeMesh,
-    readings: Mapping[str, Floats] | None = None,
-    log: JobLog | None = None,
-    reactions: Floats | None = None,
-    *,
-    held: bool = False,
-) -> tuple[CondensedSector, int]:
-    """Condense a plane mesh, with columns (2N, n), and count the work; returns the unknowns, too.
-
-    `readings`: further readings by their counter (`cost.COUNTERS`); the kinds of readings are the
-    loads, then these. Other arguments as of `condense_sector`.
-    """
-    log, further = JobLog() if log is None else log, dict(readings or {})
-    log.account.count(fe_solutions=loads.shape[1])
-    if reactions is not None:
-        count = reactions.shape[-1]
-        log.account.count(bore_reactions=count, fe_solutions=count)
-    if not held:
-        for name, part in further.items():
-            log.account.count(fe_solutions=part.shape[1], **{name: part.shape[1]})
-    by_node = [
-        part.reshape(stiffness.nodes, 2, part.shape[-1]) for part in (loads, *further.values())
-    ]
-    sector = condense_sector(stiffness, mesh, by_node[0], by_node[1:], log, reactions, held=held)
-    return sector, unknowns_of(mesh, held=held)
 
 
 class Harmonics:

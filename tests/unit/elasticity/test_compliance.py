@@ -18,9 +18,11 @@ from flankload.elasticity.compliance.response import Job, of_whole
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.plane_extent import PlaneExtent
+from flankload.elasticity.sector_closure import close_ring
 from flankload.pairing.expansion import BodyLoad
 from flankload.scene import Gear, Ring
+from tests.support.condensed import condense
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.ring_bodies import full_ring, gear_body
 from tests.support.tolerances import CLOSURE, ROUND_OFF
@@ -173,8 +175,9 @@ def test_readings_of_a_whole_mesh_change_no_bit_of_its_compliance() -> None:
     flank = MeshedFlank(0, mesh.nodes, mesh.flank_edges, mesh.flank_arc_length)
     whole = WholeMesh(mesh.nodes, mesh.cells, mesh.fixed_nodes, (flank,))
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
-    loads = ModeLoads(body, 7, "strain", friction=True)
-    stress = loads.root_columns(root_fillets(body, "body_1"), 0, matrix)
+    extent = PlaneExtent()
+    loads = ModeLoads(body, extent, 7, friction=True)
+    stress = extent.root_columns(root_fillets(body, "body_1"), 0, matrix, body.material)
 
     def response(readings: dict[str, tuple[np.ndarray, int]]) -> np.ndarray:
         job = Job(body, matrix, loads, lambda _: readings, None, JobLog())

@@ -13,9 +13,9 @@ import flankload as fl
 from flankload.cost import Account
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.sector_closure import condense
 from flankload.elasticity.shape_functions import block_basis, quadrature
 from flankload.meshes.plane_mesh import boundary_edges
+from tests.support.condensed import condense
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.plane_stiffness import plane_stiffness
 from tests.support.tolerances import ROUND_OFF, SOLVER

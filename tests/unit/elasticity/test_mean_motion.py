@@ -21,8 +21,9 @@ from flankload.elasticity.mean_motion import bore_reactions
 from flankload.elasticity.near_field import mode_loads
 from flankload.elasticity.prism import Prism
 from flankload.elasticity.recovered_ring import RecoveredRing
-from flankload.elasticity.sector_closure import close_ring, condense, uniform_response
+from flankload.elasticity.sector_closure import close_ring, uniform_response
 from flankload.elasticity.whole_body import ring_of
+from tests.support.condensed import condense
 from tests.support.plain_prism import product_loads, whole_stiffness
 from tests.support.plane_sectors import STEEL, ring_sector
 from tests.support.plane_stiffness import plane_stiffness

@@ -16,8 +16,10 @@ from flankload.elasticity.compliance.loads import ModeLoads
 from flankload.elasticity.compliance.modified_flank import on_modified_flank
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import consistent_loads, mode_values
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.plane_extent import PlaneExtent
+from flankload.elasticity.sector_closure import close_ring
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from tests.support.condensed import condense
 from tests.support.gear_scenes import example
 
 MODES = 5
@@ -63,7 +65,7 @@ def loaded_along_modified_normals(body: Body) -> np.ndarray:
     loads = directed("normal") + directed("tangent")
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
     response = close_ring(condense(matrix, loads, mesh)[0], body.teeth)
-    modes = ModeLoads(body.elements, MODES, "strain", friction=False)
+    modes = ModeLoads(body.elements, PlaneExtent(), MODES, friction=False)
     modes.subtract_near_field(response, np.zeros(1, dtype=int), Account())
     return response
 

@@ -17,13 +17,14 @@ from flankload.bodies.root_fillet import root_fillets
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.result import Result
 from flankload.result.root_stress import _peak
 from flankload.scene import Gear, Ring
+from tests.support.condensed import condense
 from tests.support.mesh_files import COARSE_PINION, whole_of
 from tests.support.pair_scenes import RING_PAIR, SPLINE
 from tests.support.paths import EXAMPLES

@@ -15,10 +15,11 @@ from flankload.bodies.body import SectorMesh
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
 from flankload.elasticity.sector_row import open_row, segment_response
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from tests.support.condensed import condense
 from tests.support.gear_pair import GEARS
 from tests.support.gear_scenes import SCENE, changed, example
 from tests.support.paths import SCENES

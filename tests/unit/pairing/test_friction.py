@@ -16,7 +16,7 @@ from flankload.cli import main
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.near_field import jump_strength, mode_loads, mode_norms, projected_sign
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.io import read_mesh, write_mesh
@@ -28,6 +28,7 @@ from tests.support.compliance_scenes import (
     solved,
     toml_of,
 )
+from tests.support.condensed import condense
 from tests.support.gear_pair import ONE, TWO
 from tests.support.mesh_files import COARSE_PINION, sector, whole, whole_of
 from tests.support.paths import MESHES

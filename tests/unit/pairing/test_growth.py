@@ -16,10 +16,11 @@ from flankload.bodies.body import Body, MeshedFlank, WholeMesh
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.finite_elements import centrifugal_load, stiffness
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import close_ring, condense, uniform_response
+from flankload.elasticity.sector_closure import close_ring, uniform_response
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.expansion import BodyLoad, body_loads_of
+from tests.support.condensed import condense
 from tests.support.gear_pair import ONE, TWO
 from tests.support.gear_scenes import changed
 from tests.support.paths import SCENES

@@ -69,6 +69,30 @@ class AxialModes:
 
 
 @dataclass(frozen=True, eq=False)
+class NearProducts:
+    """Products of the modes of a flank with the near field K of loads on it.
+
+    Attributes
+    ----------
+    axial : AxialModes
+    modes : (n, n) array
+        <P, P> of the n modes along the profile.
+    normal : (p, p) array
+        <P, K P> of normal displacements under normal loads.
+    along : (p, p) array
+        That of normal displacements under loads along the profile; 0 without friction.
+    tangential : (p, p) array or 0
+        That of displacements along the profile under these, if they are read.
+    """
+
+    axial: AxialModes
+    modes: Floats
+    normal: Floats
+    along: Floats
+    tangential: Floats | float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
 class FlankModes:
     """Pressure modes of a flank, or the nodes that replace them.
 

@@ -25,11 +25,10 @@ from flankload.elasticity.compliance.tip_force import (
     turned_columns,
 )
 from flankload.elasticity.fe_error import compliance_error
-from flankload.elasticity.finite_elements import centrifugal_load, stiffness
+from flankload.elasticity.finite_elements import centrifugal_load
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.nodal_loads import nodes_of
+from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import made_symmetric
-from flankload.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -87,6 +86,11 @@ class JobOptions:
     rim: bool = False
     prism: Prism | None = None
 
+    @property
+    def extent(self) -> PlaneExtent | Prism:
+        """Extent and discretization along the axis."""
+        return self.prism or PlaneExtent(self.plane)
+
 
 def flank_compliance(
     body: Body,
@@ -94,7 +98,6 @@ def flank_compliance(
     *,
     sectors: int | None = None,
     body_load: BodyLoad | None = None,
-    section: SectionStiffness | None = None,
     account: Account | None = None,
 ) -> BodyCompliance:
     """Compliance of the flanks of a body from one finite-element job.
@@ -109,8 +112,6 @@ def flank_compliance(
         the whole body; not for whole meshes, nor on a shaft that the bore follows.
     body_load : BodyLoad, optional
         Causes of the expansion of the body; a single tooth expands uniformly only.
-    section : SectionStiffness, optional
-        Stiffness of the mesh, if available.
     account : Account, optional
         Counters and progress; by default a new one.
 
@@ -120,12 +121,10 @@ def flank_compliance(
         Of a prism: if the load degree exceeds the axial degree less 4, an edge between flank and
         end face is sharper than 50 degrees, or the mesh is that of a whole body.
     """
-    prism = options.prism
-    if prism is not None:
-        prism.check()
+    options.extent.check(body)
     if body.rigid or body.mesh is None:
         return no_compliance(body, body_load)
-    job, load_vectors = _prepared(body, body_load, options, section, account)
+    job, load_vectors = _prepared(body, body_load, options, account)
     if isinstance(body.mesh, SectorMesh):
         response = of_sector(job, body.mesh, sectors)
     else:
@@ -135,7 +134,7 @@ def flank_compliance(
     expansion = _expansion(job, body_load, moved)
     job.log.end_step("near field")
     miss = _fe_error(job, options, response)
-    if miss is not None and prism is not None and prism.regions:
+    if miss is not None and options.extent.regions:
         miss = miss + _degree_error(job, options, found, sectors)
     log = replace(found.job, seconds=job.log.seconds())
     return replace(found, expansion=expansion, fe_error=miss, job=log)
@@ -145,13 +144,11 @@ def _prepared(
     body: Body,
     body_load: BodyLoad | None,
     options: JobOptions,
-    section: SectionStiffness | None,
     account: Account | None,
 ) -> tuple[Job, dict[str, Floats]]:
     """Stiffness, loads and readings of a job, and the vectors of the body load by name."""
-    prism, mesh = options.prism, body.mesh
+    extent, mesh, loads = options.extent, body.mesh, _loads(body, options)
     assert mesh is not None
-    bore, loads = None, _loads(body, options)
     columns = loads.count * (1 + options.friction)
 
     def estimate(moved: Floats) -> Floats:
@@ -160,14 +157,9 @@ def _prepared(
             mesh.nodes, mesh.cells, body.material, options.plane, moved[:, :columns]
         )
 
-    estimated = options.estimate and not options.nodal and prism is None
+    estimated = options.estimate and not options.nodal and options.prism is None
     log = JobLog(account, estimate=estimate if estimated else None)
-    if prism is not None:
-        assert isinstance(mesh, SectorMesh)
-        section = prism.section(mesh, body.material)
-        bore = prism.bore(section, mesh)
-    elif section is None:
-        section = stiffness(mesh.nodes, mesh.cells, body.material, options.plane)
+    section = extent.section(mesh, body.material)
     log.account.workspace_bytes += section.bytes
     load_vectors = _load_vectors(section, body, body_load)
     job = Job(
@@ -179,29 +171,17 @@ def _prepared(
         log=log,
         coast_flanks=options.coast_flanks,
         rim=options.rim,
-        bore=bore,
+        bore=extent.bore(section, mesh),
     )
     return job, load_vectors
 
 
 def _loads(body: Body, options: JobOptions) -> FlankLoads:
     """Unit loads of a flank."""
-    mesh, friction = body.mesh, options.friction
-    assert mesh is not None
     if options.nodal:
-        return NodeLoads(body, nodes_of(mesh), options.plane, friction)
+        return NodeLoads(body, PlaneExtent(options.plane), options.friction)
     count = options.n_modes if body.tip is None else with_tip(options.n_modes)
-    if options.prism is None:
-        return ModeLoads(body, count, options.plane, friction)
-    if not isinstance(mesh, SectorMesh):
-        raise SceneError(
-            key=body.kind,
-            expected="a body of equal sectors in three dimensions",
-            found="the mesh of a whole body",
-        )
-    from flankload.elasticity.prism.surface_loads import SurfaceLoads
-
-    return SurfaceLoads(body, options.prism, count, friction)
+    return ModeLoads(body, options.extent, count, options.friction)
 
 
 def _turns(body: Body, options: JobOptions) -> bool:
@@ -217,8 +197,8 @@ def _readings(
     def readings(flank: int) -> dict[str, tuple[Floats, int]]:
         found = {}
         if options.fillets is not None:
-            columns = loads.root_columns(options.fillets, flank, section)
-            found["stress_recoveries"] = columns, loads.functions_of_roots
+            columns = options.extent.root_columns(options.fillets, flank, section, body.material)
+            found["stress_recoveries"] = columns, options.extent.axial.count
         if _turns(body, options):
             corner = turned_columns(body, flank).reshape(section.nodes, section.unknowns, 1)
             found["corner_readings"] = corner, 1
@@ -234,10 +214,12 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
     response, below = found.response[:, :q], found.response[:, q:]
     root, turned, places = None, None, 0
     if options.fillets is not None:
-        places = options.fillets.points.arc_length_mm.size * loads.functions_of_roots
-        root = loads.roots(options.fillets, below[:, :places].copy())
+        places = options.fillets.points.arc_length_mm.size * options.extent.axial.count
+        root = options.extent.roots(options.fillets, below[:, :places].copy(), loads)
         if found.by_coast is not None:
-            by_coast = loads.roots(options.fillets, found.by_coast[:, :places].copy())
+            by_coast = options.extent.roots(
+                options.fillets, found.by_coast[:, :places].copy(), loads
+            )
             root = replace(root, coast=by_coast.response)
     if _turns(body, options):
         turned = turned_coefficients(body, below[:, places, :p], found.own, options.plane)
@@ -266,10 +248,10 @@ def _fe_error(job: Job, options: JobOptions, found: Response) -> Floats | None:
     That of a prism comes from a job for one tooth of its section, in plane strain.
     """
     log, loads, q = job.log, job.loads, found.response.shape[2]
-    if isinstance(loads, ModeLoads) and log.errors:
+    if log.errors:
         errors = np.stack(log.errors)[:, :q, :q]
         return loads.between(errors[:, : loads.count])
-    if options.prism is None or not options.estimate:
+    if not (options.estimate and isinstance(loads, ModeLoads)):
         return None
     in_plane = replace(options, prism=None, coast_flanks=False, fillets=None)
     section = flank_compliance(job.body, in_plane, sectors=1).fe_error
@@ -293,7 +275,7 @@ def _degree_error(
     assert isinstance(body.mesh, SectorMesh)
     fewer = replace(prism, degree=max(prism.degree - LESS_DEGREES, prism.load_degree))
     keys = replace(options, prism=fewer, coast_flanks=False, fillets=None, estimate=False)
-    reduced, _ = _prepared(body, None, keys, None, None)
+    reduced, _ = _prepared(body, None, keys, None)
     response = of_sector(reduced, body.mesh, sectors)
     lower = _compliance(reduced, response, keys)
     log.account.count(

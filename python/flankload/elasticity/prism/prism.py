@@ -5,18 +5,27 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from flankload.bodies.body import SectorMesh
 from flankload.elasticity.axial_basis import AxialBasis, functions_of
+from flankload.elasticity.compliance.contributions import AxialModes, NearProducts, RootResponse
 from flankload.elasticity.finite_elements import section_stiffness
+from flankload.elasticity.prism.flank_potential import projected_potential, projected_tangential
+from flankload.elasticity.prism.flank_surface import flank_surface
+from flankload.elasticity.prism.root_surface import root_surface_stress
 from flankload.errors import SceneError
 
 if TYPE_CHECKING:
-    from flankload.bodies.body import Material, SectorMesh
+    from flankload.base.arrays import Floats
+    from flankload.bodies.body import Body, Material, WholeMesh
+    from flankload.bodies.root_fillet import RootFillets
     from flankload.bodies.shaft import FlexibleShaft
+    from flankload.elasticity.compliance.contributions import NearField
+    from flankload.elasticity.compliance.loads import FlankLoads
     from flankload.elasticity.finite_elements import SectionStiffness
     from flankload.elasticity.prism.flexible_bore import FlexibleBore
 
-#: Components of a displacement.
-COMPONENTS = 3
 #: Least excess of the degree of displacements in z over that of loads: the error of the highest
 #: mode is 0.06 %.
 DEGREES_ABOVE_LOADS = 4
@@ -55,14 +64,16 @@ class Prism:
     cut_degree: int | None = None
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
     shaft: FlexibleShaft | None = None
+    plane = "strain"
 
     @property
     def axial(self) -> AxialBasis:
         """Functions of z over the width."""
         return AxialBasis(self.range_mm, self.degree)
 
-    def section(self, mesh: SectorMesh, material: Material) -> SectionStiffness:
+    def section(self, mesh: SectorMesh | WholeMesh, material: Material) -> SectionStiffness:
         """Stiffness of a sector."""
+        assert isinstance(mesh, SectorMesh)
         regions, functions = functions_of(mesh, self.axial, dict(self.regions))
         section = section_stiffness(mesh.nodes, mesh.cells, material, self.twist, regions)
         cut_degree = self.cut_degree
@@ -71,16 +82,42 @@ class Prism:
         cut_degree = min(cut_degree, self.degree)
         return replace(section, functions=functions, cut_degree=cut_degree)
 
-    def bore(self, section: SectionStiffness, mesh: SectorMesh) -> FlexibleBore | None:
+    def bore(self, section: SectionStiffness, mesh: SectorMesh | WholeMesh) -> FlexibleBore | None:
         """The bore that follows the shaft; None if it is fixed or free."""
+        assert isinstance(mesh, SectorMesh)
         if self.shaft is None or mesh.has_free_bore:
             return None
         from flankload.elasticity.prism.flexible_bore import FlexibleBore
 
         return FlexibleBore.of(self.shaft, section, mesh)
 
-    def check(self) -> None:
-        """Raise a SceneError for an invalid width or load degree."""
+    def near_products(self, body: Body, near: NearField, n: int, *, friction: bool) -> NearProducts:
+        """Products of the modes: half-space with k = kernel/2, images, and jump; mm⁵/N."""
+        surface, degree, along = flank_surface(body, self), self.load_degree, np.zeros(())
+        axial = AxialModes(self.range_mm, degree, self.twist, surface.cos_base_helix, surface.end)
+        normal = 0.5 * near.kernel * projected_potential(surface, n, degree)
+        if friction:
+            along = projected_tangential(surface, n, degree, kernel=near.kernel, jump=near.jump)
+        return NearProducts(axial, surface.products(n), normal, along)
+
+    def root_columns(
+        self, fillets: RootFillets, flank: int, section: SectionStiffness, material: Material
+    ) -> Floats:
+        """Stress (N, u, r) across the root line, by point and function of z."""
+        nodes = fillets.on_elements
+        stress = root_surface_stress(nodes, section.functions, self.axial, material, self.twist)
+        columns = np.zeros((section.nodes, section.unknowns, len(stress)))
+        columns[nodes.nodes] = stress.T.reshape(nodes.nodes.size, -1, len(stress))
+        return columns
+
+    def roots(self, fillets: RootFillets, readings: Floats, loads: FlankLoads) -> RootResponse:
+        """Stress in the roots from the readings (k, r, q), by mode coefficients of forces."""
+        found, points = loads.by_coefficients(readings), fillets.points
+        shape = len(found), points.arc_length_mm.size, self.axial.count, found.shape[2]
+        return RootResponse(points, found.reshape(shape), self.range_mm)
+
+    def check(self, body: Body) -> None:
+        """Raise a SceneError for an invalid width, load degree or mesh."""
         low, high = self.range_mm
         if not low < high:
             raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")
@@ -90,4 +127,10 @@ class Prism:
                 key="load_degree_z",
                 expected=f"0 to {most} (axial_degree {self.degree} minus {DEGREES_ABOVE_LOADS})",
                 found=self.load_degree,
+            )
+        if body.mesh is not None and not isinstance(body.mesh, SectorMesh):
+            raise SceneError(
+                key=body.kind,
+                expected="a body of equal sectors in three dimensions",
+                found="the mesh of a whole body",
             )

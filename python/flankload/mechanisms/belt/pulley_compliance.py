@@ -29,7 +29,7 @@ from flankload.base.rotation import turned
 from flankload.elasticity.finite_elements import degrees_of, stiffness
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.nodal_loads import linear_shapes
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring, condense_sector, unknowns_of
 from flankload.mechanisms.belt.columns import gauss_points, quadratic
 from flankload.mechanisms.belt.pulley_mesh import PulleyMesh, fractions
 from flankload.mechanisms.belt.row import Columns, made_symmetric
@@ -89,16 +89,16 @@ def solve_pulley(
     """
     pulley, sector = mesh.pulley, mesh.sector
     loads = unit_forces(mesh, sliding=sliding)
-    if account is not None:
-        along = mesh.land.size * sliding
-        account.count(
-            unit_loads_normal=loads.shape[1] - along,
-            unit_loads_tangential=along,
-        )
+    log, along, unknowns = JobLog(account), mesh.land.size * sliding, unknowns_of(sector)
+    log.account.count(
+        unit_loads_normal=loads.shape[1] - along,
+        unit_loads_tangential=along,
+        fe_solutions=loads.shape[1],
+        fe_unknowns=unknowns,
+    )
     matrix = stiffness(sector.nodes, sector.cells, pulley.material, pulley.plane)
-    condensed, unknowns = condense(matrix, loads, sector, log=JobLog(account))
-    if account is not None:
-        account.count(fe_unknowns=unknowns)
+    by_node = loads.reshape(matrix.nodes, matrix.unknowns, -1)
+    condensed = condense_sector(matrix, sector, by_node, (), log)
     return PulleyResponse(mesh, close_ring(condensed, pulley.teeth), unknowns)
 
 

@@ -17,8 +17,9 @@ from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.dissection import dissect
 from flankload.elasticity.fronts.mirror import images_of
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.sector_closure import Harmonics, close_ring, condense
+from flankload.elasticity.sector_closure import Harmonics, close_ring
 from flankload.elasticity.sector_row import open_row
+from tests.support.condensed import condense
 from tests.support.plain_prism import (
     full_prism_ring,
     product_loads,
