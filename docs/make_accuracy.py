@@ -162,7 +162,7 @@ def _levels(studies: dict[str, fl.AccuracyStudy]) -> Iterator[str]:
                 level = "nodes" if apart is None else f"nodes, {apart:g} mm"
             if row.group == "default" or (row.group == row.run.discretization.level and plain):
                 cells = [_percent(row.errors.get(measure)) for measure in names]
-                sweep = sum(row.run.stages.get(stage, 0.0) for stage in ("sweep", "tangent"))
+                sweep = row.run.stages.get("sweep", 0.0)
                 said = [f"{row.run.cpu_s:.3f}", f"{1000 * sweep:.0f}"]
                 rows.append([PAIRS[name], level, *said, *cells])
     head = ["", "level", "CPU s", "of which sweeps, ms", *(HEADS[measure] for measure in names)]

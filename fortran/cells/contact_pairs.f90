@@ -13,7 +13,7 @@ module flankload_contact_pairs
     private
 
     public :: pairs_type
-    public :: append_pairs, chosen_pairs, closing_of, reserve_pairs, take_out_of_mirror
+    public :: append_pairs, closing_of, reserve_pairs, take_out_of_mirror
 
     !> All pairs of a position, with one array per quantity
     type :: pairs_type
@@ -63,38 +63,9 @@ contains
         allocate (pairs%closing(3, 2, n))
     end subroutine reserve_pairs
 
-    !> Return some of the pairs in their order.
-    pure function chosen_pairs(pairs, which) result(chosen)
-        !> All pairs
-        type(pairs_type), intent(in) :: pairs
-        !> Indices of the chosen pairs, ascending
-        integer, intent(in) :: which(:)
-        type(pairs_type) :: chosen
-
-        chosen%n = size(which)
-        chosen%site = pairs%site(which)
-        chosen%zone = pairs%zone(which)
-        chosen%s_1 = pairs%s_1(which)
-        chosen%s_2 = pairs%s_2(which)
-        chosen%cell_1 = pairs%cell_1(which)
-        chosen%cell_2 = pairs%cell_2(which)
-        chosen%radius = pairs%radius(which)
-        chosen%gap_angle = pairs%gap_angle(which)
-        chosen%torque_lever = pairs%torque_lever(which)
-        chosen%lever = pairs%lever(which)
-        if (allocated(pairs%friction)) then
-            chosen%sliding = pairs%sliding(which)
-            chosen%friction = pairs%friction(which)
-        end if
-        chosen%turn = pairs%turn(:, which)
-        chosen%corner_turn = pairs%corner_turn(:, which)
-        chosen%closing = pairs%closing(:, :, which)
-        chosen%point = pairs%point(:, which)
-        chosen%normal = pairs%normal(:, which)
-    end function chosen_pairs
-
     !> Append the pairs of one zone.
-    pure subroutine append_pairs(facing, zone, number, grid, normal, deviation, pairs, found)
+    pure subroutine append_pairs(facing, zone, number, grid, normal, deviation, pairs, found, &
+            & chosen)
         !> Flanks and their frames
         type(facing_type), intent(in) :: facing
         !> Zone and its number
@@ -110,6 +81,8 @@ contains
         type(pairs_type), intent(inout) :: pairs
         !> False if a circle does not cross flank 2
         logical, intent(out) :: found
+        !> True for cells that get a pair, shape (cells); all by default
+        logical, intent(in), optional :: chosen(:)
 
         integer :: k
         real(wp) :: s_1, cell, s_2_range(2), normals(2, 2)
@@ -127,6 +100,9 @@ contains
             if (.not. found) return
         end if
         do k = 1, grid%n
+            if (present(chosen)) then
+                if (.not. chosen(k)) cycle
+            end if
             call locate_cell(grid, k, s_1, cell)
             if (abs(s_1 - pair%s_1) > 0.0_wp) then
                 pair%s_2 = guessed_s_2(pair, s_1)

@@ -38,7 +38,9 @@ subroutine flankload_sweep_mesh(n_positions, n_torques, n_sites, motion, torques
     !> Number of flags, and 1 for each pair that is in contact in a similar sweep, else 0
     integer, intent(in) :: n_flags
     integer, intent(in) :: in_contact(n_flags)
-    !> Number of these pairs in each state (0: unknown) and index of the first of them (from 1)
+    !> Number of these pairs in each state (0: unknown; -1: those in contact under the torque
+    !> before, whose state this one continues without storing pairs), and index of the first of them
+    !> (from 1)
     integer, intent(in) :: n_known(n_positions, n_torques)
     integer, intent(in) :: first_known(n_positions, n_torques)
     !> As in flankload_sweep

@@ -6,8 +6,7 @@
 module flankload_known_contact
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use flankload_kinds, only: wp
-    use flankload_lapack, only: getrf, solve_lu
-    use flankload_contact_pairs, only: chosen_pairs, pairs_type
+    use flankload_lapack, only: getrf, potrf, solve_cholesky, solve_lu
     use flankload_pair_influence, only: pair_influences
     use flankload_mesh, only: body_type, mesh_type
     use flankload_motion_rows, only: pair_rates, solve_motions
@@ -22,14 +21,16 @@ module flankload_known_contact
     !> Pairs of a state that are in contact; not allocated if unknown.
     type :: known_contact
         logical, allocatable :: touches(:)
+        !> True if they are those of the state under the loads before, and if K is that of all cells
+        logical :: of_last = .false., whole = .false.
     end type known_contact
 
     !> The same for the states of a sweep.
     type :: known_contacts
         !> True for pairs in contact; the pairs of a state are consecutive
         logical, allocatable :: touches(:)
-        !> Number of pairs of a state (0: unknown), and index of the first of them, shape
-        !> (positions, torques)
+        !> Number of pairs of a state (0: unknown; less: those of the torque before), and index of
+        !> the first of them, shape (positions, torques)
         integer, allocatable :: n_pairs(:, :), first_pair(:, :)
     end type known_contacts
 
@@ -47,6 +48,7 @@ contains
         integer :: first, n
 
         n = known%n_pairs(position, torque)
+        contact%of_last = n < 0
         first = known%first_pair(position, torque)
         if (n > 0) contact%touches = known%touches(first:first + n - 1)
     end function contact_of
@@ -61,41 +63,55 @@ contains
         type(mesh_type), intent(in) :: meshes(:)
         !> The position
         type(position_type), intent(in) :: position
-        !> True for pairs in contact, shape (pairs)
+        !> True for pairs in contact, if the state has pairs on all cells
         logical, intent(in) :: touches(:)
         !> Loads of the motions, shape (motions)
         real(wp), intent(in) :: loads(:)
-        !> State with its pairs on entry, solved on return; its certificate is NaN
+        !> State with its pairs on entry, or only those in contact; solved on return, its certificate
+        !> is NaN
         type(position_state), intent(inout) :: state
         !> False if the equations are singular: the state is then unchanged
         logical, intent(out) :: solved
 
         integer :: n, c, i, info
         real(wp) :: nearest
-        type(pairs_type) :: pairs
         integer, allocatable :: which(:), row_swaps(:)
         real(wp), allocatable :: matrix(:, :), columns(:, :), rates(:, :), rows(:, :)
         real(wp) :: tangent(size(loads), size(loads)), motion(size(loads))
 
-        which = pack([(i, i=1, state%pairs%n)], touches)
-        n = size(which)
-        solved = .false.
-        if (n == 0) return
-        pairs = chosen_pairs(state%pairs, which)
-        allocate (matrix(n, n), columns(n, size(loads) + 1), row_swaps(n))
-        call pair_influences(bodies, meshes, position%zones, pairs, matrix)
-        rates = pair_rates(position%motions, meshes, position%zones, pairs)
-        ! small differences of angles have small rounding errors
-        nearest = minval(pairs%gap_angle)
-        do c = 1, size(loads)
-            columns(:, c) = pairs%lever*rates(:, c)
-        end do
-        columns(:, size(loads) + 1) = pairs%lever*(pairs%gap_angle - rates(:, 1)*nearest)
-        rows = rates*spread(pairs%torque_lever, 2, size(loads))
-        ! Eq. (18), (19), (32)
-        call getrf(n, matrix, row_swaps, info)
+        associate (pairs => state%pairs)
+            which = [(i, i=1, pairs%n)]
+            if (size(touches) == pairs%n) which = pack(which, touches)
+            n = size(which)
+            solved = .false.
+            if (n == 0 .or. n /= count(touches)) return
+            allocate (matrix(pairs%n, pairs%n), columns(n, size(loads) + 1), row_swaps(n))
+            call pair_influences(bodies, meshes, position%zones, pairs, matrix)
+            if (n < pairs%n) matrix = matrix(which, which)
+            rates = pair_rates(position%motions, meshes, position%zones, pairs)
+            rates = rates(which, :)
+            ! small differences of angles have small rounding errors
+            nearest = minval(pairs%gap_angle(which))
+            do c = 1, size(loads)
+                columns(:, c) = pairs%lever(which)*rates(:, c)
+            end do
+            columns(:, size(loads) + 1) = pairs%lever(which)*(pairs%gap_angle(which) &
+                & - rates(:, 1)*nearest)
+            rows = rates*spread(pairs%torque_lever(which), 2, size(loads))
+        end associate
+        ! Eq. (18), (19), (32); like the contact loop, from the lower triangle of a K that is
+        ! symmetric but for rounding
+        if (allocated(state%pairs%friction)) then
+            call getrf(n, matrix, row_swaps, info)
+        else
+            call potrf(n, matrix, info)
+        end if
         if (info /= 0) return
-        call solve_lu(n, matrix, columns, row_swaps)
+        if (allocated(state%pairs%friction)) then
+            call solve_lu(n, matrix, columns, row_swaps)
+        else
+            call solve_cholesky(n, matrix, columns)
+        end if
         call solve_motions(rows, columns, loads, motion, tangent, solved)
         if (.not. solved) return
         if (size(loads) == 1) solved = tangent(1, 1) > 0.0_wp
@@ -110,8 +126,9 @@ contains
         state%condition = ieee_value(1.0_wp, ieee_quiet_nan)
         state%backward_error = state%condition
         state%margin = state%condition
+        n = state%pairs%n
         state%columns = state%columns + n
-        if (allocated(pairs%friction)) state%tangential_columns = state%tangential_columns + n
+        if (allocated(state%pairs%friction)) state%tangential_columns = state%tangential_columns + n
     end subroutine solve_known
 
 end module flankload_known_contact

@@ -118,7 +118,7 @@ contains
     end function reached_curvatures
 
     !> Make the cells and the pairs on them.
-    pure subroutine lay_pairs(bodies, meshes, position, cells, pairs, error)
+    pure subroutine lay_pairs(bodies, meshes, position, cells, pairs, error, given)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -130,8 +130,12 @@ contains
         type(pairs_type), intent(out) :: pairs
         !> Set if a circle misses flank 2
         type(error_type), allocatable, intent(out) :: error
+        !> True for cells that shall get a pair, all by default; there are no pairs if the number of
+        !> cells is another one
+        logical, intent(in), optional :: given(:)
 
-        integer :: z, site
+        integer :: z, site, first
+        logical, allocatable :: chosen(:)
 
         associate (zones => position%zones, grids => cells%grids, facing => position%facing)
             do z = 1, size(zones)
@@ -148,11 +152,19 @@ contains
             do z = 1, size(zones)
                 if (cells%included(z)) call lay_cells_of(zones(z), grids(z))
             end do
-            call reserve_pairs(pairs, sum(grids%n, mask=cells%included))
+            allocate (chosen(sum(grids%n, mask=cells%included)), source=.true.)
+            if (present(given)) then
+                chosen = chosen .and. size(given) == size(chosen)
+                if (all(chosen)) chosen = given
+            end if
+            call reserve_pairs(pairs, count(chosen))
+            first = 1
             do z = 1, size(zones)
                 if (.not. cells%included(z)) cycle
-                call append_cells(bodies, meshes, position, z, cells, pairs, error)
+                call append_cells(bodies, meshes, position, z, cells, &
+                    & chosen(first:first + grids(z)%n - 1), pairs, error)
                 if (allocated(error)) return
+                first = first + grids(z)%n
             end do
         end associate
 
@@ -206,7 +218,7 @@ contains
     end subroutine take_one_width
 
     !> Append the pairs on the cells of a zone.
-    pure subroutine append_cells(bodies, meshes, position, z, cells, pairs, error)
+    pure subroutine append_cells(bodies, meshes, position, z, cells, chosen, pairs, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -215,6 +227,8 @@ contains
         integer, intent(in) :: z
         !> The cells
         type(cells_type), intent(in) :: cells
+        !> True for cells of the zone that get a pair
+        logical, intent(in) :: chosen(:)
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
         !> Set if a circle misses flank 2
@@ -229,7 +243,7 @@ contains
         associate (zone => position%zones(z), facing => position%facing(site))
             normal = contact_normal(facing, zone, cells%reach(:, z))
             call append_pairs(facing, zone, z, cells%grids(z), normal, &
-                & position%deviation(site), pairs, found)
+                & position%deviation(site), pairs, found, chosen)
             if (.not. found) then
                 call fatal_error(error, code_circle_misses)
                 return

@@ -96,6 +96,7 @@ contains
             located = .not. (allocated(error) .or. position%conforms)
             contact = known_contact()
             if (present(known)) contact = known(t)
+            if (contact%of_last .and. t > 1) call follow(states(t - 1), contact)
             call solve_loads(bodies, meshes, loads(:, t), contact, position, start(t), states(t), &
                 & error)
             if (may_miss(position, states(t), allocated(error))) then
@@ -112,6 +113,23 @@ contains
         call move_alloc(start, position%start)
 
     contains
+
+        !> Continue the pairs in contact of a state, if its cells do not depend on earlier forces.
+        pure subroutine follow(state, contact)
+            !> State under the loads before
+            type(position_state), intent(in) :: state
+            !> Pairs in contact
+            type(known_contact), intent(inout) :: contact
+
+            !> Ratio of cell widths up to which K of some of the cells is that part of K of all: the
+            !> near field of more graded ones is averaged
+            real(wp), parameter :: similar = 5.0_wp
+
+            if (state%status < 0 .or. state%passes /= 1) return
+            contact%touches = state%forces > 0.0_wp
+            contact%whole = maxval(state%pairs%cell_1) > similar*minval(state%pairs%cell_1) &
+                & .or. maxval(state%pairs%cell_2) > similar*minval(state%pairs%cell_2)
+        end subroutine follow
 
         !> Find the points of least gap.
         subroutine locate(load, everywhere, at)
@@ -288,13 +306,13 @@ contains
         end if
         if (allocated(error)) return
         associate (zones => position%zones)
+            call continue_contact(settled)
             do pass = 1, max_passes
+                if (settled) exit
                 state%passes = pass
                 if (pass > 1) call measure_reach(position, cells)
                 call lay_pairs(bodies, meshes, position, cells, state%pairs, error)
                 if (allocated(error)) return
-                if (pass == 1) call continue_contact(settled)
-                if (settled) exit
                 call solve_pairs(bodies, meshes, position, expected_pairs(state%pairs, zones, &
                     & cells), loads, state, error)
                 if (allocated(error)) return
@@ -302,7 +320,6 @@ contains
                 touches = would_touch(position, cells%estimate, state%motion)
                 if (any(touches .and. .not. cells%included)) settled = .false.
                 cells%included = cells%included .or. touches
-                if (settled) exit
             end do
             if (.not. settled) then
                 call fatal_error(error, code_unsettled_cells)
@@ -320,8 +337,14 @@ contains
 
             solved = .false.
             if (.not. allocated(contact%touches) .or. meshes(1)%grid%finite_steps > 0) return
-            if (size(contact%touches) /= state%pairs%n) return
-            call solve_known(bodies, meshes, position, contact%touches, loads, state, solved)
+            state%passes = 1
+            if (contact%whole) then
+                call lay_pairs(bodies, meshes, position, cells, state%pairs, error)
+            else
+                call lay_pairs(bodies, meshes, position, cells, state%pairs, error, contact%touches)
+            end if
+            if (.not. allocated(error)) call solve_known(bodies, meshes, position, &
+                & contact%touches, loads, state, solved)
         end subroutine continue_contact
 
     end subroutine solve_on_cells

@@ -47,7 +47,7 @@ contains
         call expect(error, all(merge(torques, 0.0_wp, ieee_is_finite(torques)) >= 0.0_wp), &
             & 'torques', '0 or more')
         call read_pair(n_sites, mesh, record_1, record_2, problem, error)
-        call expect(error, all(known%n_pairs >= 0), 'n_known', '0 or more')
+        call expect(error, all(known%n_pairs >= -1), 'n_known', '-1 or more')
         call expect(error, all(known%n_pairs <= 0 .or. (known%first_pair >= 1 &
             & .and. known%first_pair <= size(known%touches) - known%n_pairs + 1)), 'first_known', &
             & 'indices of in_contact')

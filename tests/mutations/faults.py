@@ -817,10 +817,10 @@ _PYTHON = (
         ("0.5 * (around[2:] - around[:-2])", "0.45 * (around[2:] - around[:-2])"),
     ),
     *_in(
-        "analysis/tangent.py",
+        "contact/sweep.py",
         "physics/test_tangent.py",
-        ("0.5 * (before + behind), part", "before, part"),
-        ("0.5 * (more.site_force_N", "1.0 * (more.site_force_N"),
+        ("bend = 0.5 * (beside", "bend = 0.0 * (beside"),
+        ("np.where(solved[:, None], forces", "np.where(solved[:, None], 1.01 * forces"),
     ),
     *_in(
         "result/root_stress.py",

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.contact.core_call import CoreCall, CoreOutput
+from flankload.contact.status import Status
+from flankload.contact.sweep import sweep
+from tests.benchmarks._sweep_core import Job
 from tests.support.paths import SCENES
 from tests.support.solving import solve
 
 #: The differences' own error: second order in the step, rounding of the rotation over the step.
 DIFFERENCES = 1e-6
-#: Smaller than the step that the tangent itself is made with.
 STEP = 1e-4
 
 
@@ -31,7 +34,6 @@ def test_tangent_is_the_derivative_of_the_rotation(name: str, friction: float) -
     # on a corner, or where the next pair is just about to touch, cells change their number
     assert np.quantile(beside, 0.85) < DIFFERENCES
     assert beside.max() < 1e-3
-    assert "tangent" in here.cost["stages"]
 
 
 PITCH_ERRORS = [6.0, -4.0, 0.0, 5.0] * 4
@@ -69,9 +71,9 @@ def test_secant_stiffness_counts_from_the_state_without_torque(name: str) -> Non
             rtol=1e-12,
             atol=0,
         )
-    # a look without torque is no state more: sweep and tangent count
+    # neither a look without torque nor one beside it for the tangent is a state more
     count = alone.position_rad.size
-    assert [run.cost["states"] for run in (alone, loaded)] == [3 * count, 4 * count]
+    assert [run.cost["states"] for run in (alone, loaded)] == [count, 2 * count]
 
 
 def test_secant_and_tangent_of_a_press_fit_are_one_stiffness() -> None:
@@ -96,44 +98,44 @@ def test_no_torque_needs_no_tangent() -> None:
     assert np.isnan(result.stiffness_tangent_Nm_per_rad).all()
 
 
-def test_tangents_of_parabolas_are_exact() -> None:
-    """Central differences of the rotation, and of the forces."""
-    from flankload.analysis.tangent import with_tangents
-    from flankload.contact.sweep import Sweep
-
-    def state(torque: float) -> Sweep:
-        numbers = {name: np.ones(1) for name in Sweep.__dataclass_fields__}
-        known = {
-            "torque_Nmm": torque,
-            "rotation_rad": np.array([torque + 0.1 * torque**2]),
-            "tangent_rad_per_Nmm": np.array([2.0]),
-            "site_force_N": np.array([[3.0 * torque + torque**2, -torque]]),
-            "counters": np.zeros((1, 7)),  # lumped: no passes over cells
-        }
-        return Sweep(**(numbers | known))  # type: ignore[arg-type]
-
-    def run(torques_Nmm: list[float], known: object) -> tuple[Sweep, ...]:
-        assert known is None  # lumped
-        return tuple(map(state, torques_Nmm))
-
-    (found,) = with_tangents((state(5.0),), run)
-    assert found.tangent_rad_per_Nmm[0] == pytest.approx(1.0 + 0.2 * 5.0, rel=1e-10)
-    np.testing.assert_allclose(
-        found.site_force_per_torque, [[3.0 + 2.0 * 5.0, -1.0]], rtol=1e-10, atol=0
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_forces_have_derivatives_and_those_of_a_list_are_its_own(friction: float) -> None:
+    """Central differences of complete solutions; at a corner, K is that of refined cells."""
+    scene = fl.read_scene(SCENES / "external_gear.toml").replace(
+        {"effects.friction_coefficient": friction, "positions.count": 8}
     )
+    job = Job(scene)
+    contact, positions = job.contact(job.bodies.discretization.grid), job.positions(8)
+    torque = float(scene.torques_Nmm[0])
+    less, more = sweep(contact, positions, [torque * (1 - STEP), torque * (1 + STEP)])
+    both = sweep(contact, positions, [0.0, 0.5 * torque, torque], tangents=True)
+    found = (more.site_force_N - less.site_force_N) / (2 * STEP * torque)
+    largest = np.abs(found).max()
+    np.testing.assert_allclose(
+        both[2].site_force_per_torque, found, rtol=0, atol=10 * STEP * largest
+    )
+    (alone,) = sweep(contact, positions, [torque], tangents=True)
+    np.testing.assert_array_equal(alone.tangent_rad_per_Nmm, both[2].tangent_rad_per_Nmm)
+    np.testing.assert_array_equal(both[0].site_force_per_torque, 0.0)
+    np.testing.assert_array_equal(alone.n_pairs, sweep(contact, positions, [torque])[0].n_pairs)
 
 
-def test_a_torque_that_just_holds_keeps_the_tangent_of_its_state() -> None:
+def test_a_torque_that_just_holds_keeps_the_tangent_of_its_state(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """A little more torque has no state; the derivative with the pairs in contact held stays."""
-    from flankload.analysis.tangent import with_tangents
-    from flankload.contact.sweep import Sweep
-    from flankload.errors import NoContactState
+    job = Job(fl.read_scene(SCENES / "external_gear.toml"))
+    contact, positions = job.contact(job.bodies.discretization.grid), job.positions(2)
+    (held,) = sweep(contact, positions, [1e5])
+    solve_all = CoreCall.all_positions
 
-    numbers = {name: np.ones(1) for name in Sweep.__dataclass_fields__}
-    numbers |= {"torque_Nmm": 5.0, "counters": np.zeros((1, 7))}  # lumped: no passes over cells
-    state = Sweep(**numbers)  # type: ignore[arg-type]
+    def without_more(self: CoreCall, capacity: int) -> CoreOutput:
+        found = solve_all(self, capacity)
+        found.status[1, 1::2] = Status.NO_CONTACT_STATE
+        return found
 
-    def fails(**_: object) -> tuple[Sweep, ...]:
-        raise NoContactState("none")
-
-    assert with_tangents((state,), fails) == (state,)
+    monkeypatch.setattr(CoreCall, "all_positions", without_more)
+    (found,) = sweep(contact, positions, [1e5], tangents=True)
+    same = found.tangent_rad_per_Nmm == held.tangent_rad_per_Nmm
+    np.testing.assert_array_equal(same, [False, True])
+    np.testing.assert_array_equal(found.site_force_per_torque[1], held.site_force_N[1] / 1e5)

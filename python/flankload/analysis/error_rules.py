@@ -18,7 +18,6 @@ from flankload.analysis.load_factors import (
     loads_over_period,
     relative_loads,
 )
-from flankload.analysis.tangent import LARGEST_KINK
 from flankload.base.rounding import TIE
 from flankload.contact.status import on_corner
 
@@ -34,6 +33,9 @@ PEAK_PRESSURE, LARGEST_PRESSURE = "peak_pressure", "largest_pressure"
 #: Additional quantities in three dimensions.
 LINE_LOAD, PEAK_LINE = "line_load", "peak_line_load"
 FACE_LOAD, LINE_FACTOR = "face_load_factor", "line_load_factor"
+#: Largest relative change of a tangent that shows an error: at larger ones, the pairs in contact
+#: change.
+LARGEST_KINK = 5e-3
 
 
 @dataclass(frozen=True)

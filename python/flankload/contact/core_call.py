@@ -93,7 +93,8 @@ class KnownContacts:
     """Pairs in contact in a sweep, for a similar one.
 
     `touches` (N,): 1 for a pair in contact, 0 otherwise; `count`, `first` (P, T): number of pairs
-    of each state, 0 if they are not used, and index of the first one.
+    of each state, 0 if they are not used, -1 for those of the torque before, whose state is
+    continued; index of the first one.
     """
 
     touches: NDArray[np.intc]
@@ -105,6 +106,12 @@ class KnownContacts:
         """No known pairs."""
         nothing = np.zeros((n_positions, n_torques), dtype=np.int64)
         return cls(np.zeros(0, dtype=np.intc), nothing, nothing)
+
+    @classmethod
+    def of_torque_before(cls, n_positions: int, n_torques: int) -> KnownContacts:
+        """For torques, each followed by one under which its states are continued."""
+        count = np.tile([0, -1], (n_positions, n_torques))
+        return cls(np.zeros(0, dtype=np.intc), count, np.zeros_like(count))
 
     def at(self, which: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
         """Arguments of the core for some positions."""
@@ -190,6 +197,7 @@ class CoreCall:
         watched = self.watched and not self._is_short(which.size)
         outputs = call_and_watch(call, control, report=report) if watched else call()
         found = self._found(outputs, site, table.reshape(-1, n_columns))
+        _count(found, self.account, searched=known.count[which] >= 0)
         report(int(control[1]))
         return found
 
@@ -201,22 +209,24 @@ class CoreCall:
     def _found(
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]
     ) -> CoreOutput:
-        """Outputs by name, with pairs numbered from 0; counts the work."""
+        """Outputs by name, with pairs numbered from 0."""
         status, rotation, tangent, certificate, counters, force, peak, corner, _ = outputs
         work = np.asfortranarray(counters[: len(CORE_COUNTERS)])
         n_pairs, first_pair = (np.asfortranarray(part) for part in counters[len(CORE_COUNTERS) :])
-        _count(status, work, self.account)
         used = int(np.max(first_pair - 1 + n_pairs, initial=0, where=first_pair > 0))
         site[:used] -= 1
         states = (status, rotation, tangent, certificate, work, force, peak, corner, n_pairs)
         return CoreOutput(*states, first_pair - 1, site[:used], table[:used])
 
 
-def _count(status: NDArray[Any], counters: NDArray[Any], account: Account) -> None:
-    """Count the work of a call of the core, including states that exceeded the allocation."""
-    undone = (status == Status.NO_ROOM) | (status == Status.STOPPED)
-    begun = ~undone | counters.any(axis=0)
-    sums = counters.sum(axis=(1, 2), dtype=np.int64).tolist()
+def _count(found: CoreOutput, account: Account, searched: NDArray[np.bool_]) -> None:
+    """Count the work of a call of the core, including states that exceeded the allocation.
+
+    States that continue those of the torque before are none of their own: not `searched`, (P, T).
+    """
+    undone = (found.status == Status.NO_ROOM) | (found.status == Status.STOPPED)
+    begun = searched & (~undone | found.counters.any(axis=0))
+    sums = found.counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
 
 

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 WITHOUT_POSITIONS = ("torque_Nmm", "edges_mm", "line_load_mm", "sharp_ends", "conforming", "plane")
 #: Results of the core for each site and slice.
 SITE_RESULTS = ("site_force_N", "site_peak_N_per_mm", "site_corner")
+#: Relative step of the torque for tangents: the error is below 1e-7 by the curvature, as well as by
+#: rounding.
+STEP = 1e-4
 #: Allocated pairs in the first call, per position and torque: twice the usual number.
 INITIAL_PAIRS = 256
 #: The same for contact on all teeth, per site and cell between the middle and the edge of its zone:
@@ -164,6 +167,7 @@ def sweep(
     torques_Nmm: Sequence[float],
     *,
     known: KnownContacts | None = None,
+    tangents: bool = False,
     keep_pairs: bool = True,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -184,6 +188,10 @@ def sweep(
     known : KnownContacts, optional
         Pairs in contact in a similar sweep (`known_contacts`), which are used for states with the
         same number of pairs, without a search and a certificate.
+    tangents : bool
+        Whether the derivatives of rotation and forces follow cells that move with the torque: the
+        states are continued to a slightly larger torque. For fixed cells, derivatives are 0.1 to
+        0.3 % off on gears with ten cells on the half-width, since contacts become longer.
     keep_pairs : bool
         Whether single pairs are stored, besides results per site.
     account, progress : optional
@@ -199,11 +207,15 @@ def sweep(
     spent, mesh = Account() if account is None else account, contact.mesh
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
+    asked, each = torques, 1
+    if tangents:
+        asked, each = np.outer(torques, [1.0, 1.0 + STEP]).ravel(), 2
+        known = KnownContacts.of_torque_before(positions.size, torques.size)
     core = CoreCall(
         contact=contact,
         n_sites=core_sites(mesh),
         motion=motion_of(mesh, positions),
-        torques_Nmm=torques,
+        torques_Nmm=asked,
         records=records_of(contact),
         account=spent,
         progress=progress,
@@ -213,16 +225,17 @@ def sweep(
     found = core.all_positions(_initial_capacity(contact) if keep_pairs else 0)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
-        found.status,
+        found.status[:, ::each],
         positions,
         torques,
-        found.certificate,
+        found.certificate[..., ::each],
         has_friction=mesh.friction is not None,
         holds=core.holds,
     )
     if not mesh.slices.plane:
         spent.count(slices=mesh.slices.count * positions.size * torques.size)
-    return tuple(_sweep_of(found, mesh, t, torque) for t, torque in enumerate(torques))
+    sweeps = tuple(_sweep_of(found, mesh, t, torque) for t, torque in enumerate(asked))
+    return tuple(map(_differenced, sweeps[::2], sweeps[1::2])) if tangents else sweeps
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
@@ -303,6 +316,23 @@ def _sweep_of(found: CoreOutput, mesh: GearMesh, t: int, torque_Nmm: float) -> S
         pairs=pairs,
         coast=coast,
         **of_torque,
+    )
+
+
+def _differenced(part: Sweep, beside: Sweep) -> Sweep:
+    """With derivatives from the states beside; those of fixed cells where there are none."""
+    step = beside.torque_Nmm - part.torque_Nmm
+    if not step:
+        return part
+    solved = beside.status >= 0
+    # the mean tangent over the step, less its change over half of the step
+    bend = 0.5 * (beside.tangent_rad_per_Nmm - part.tangent_rad_per_Nmm)
+    tangent = (beside.rotation_rad - part.rotation_rad) / step - bend
+    forces = (beside.site_force_N - part.site_force_N) / step
+    return replace(
+        part,
+        tangent_rad_per_Nmm=np.where(solved, tangent, part.tangent_rad_per_Nmm),
+        site_force_per_torque=np.where(solved[:, None], forces, part.site_force_per_torque),
     )
 
 

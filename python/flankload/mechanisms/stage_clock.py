@@ -23,8 +23,7 @@ STEPS_BEFORE = {
     "plan": 0,
     "bodies": 0,
     "sweep": FIXED_STEPS,
-    "tangent": FIXED_STEPS + SWEEP_STEPS,
-    "estimate": FIXED_STEPS + 2 * SWEEP_STEPS,
+    "estimate": FIXED_STEPS + SWEEP_STEPS,
 }
 #: Beginning of the names of stages of finite elements.
 ELEMENTS = "compliance "

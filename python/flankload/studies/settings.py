@@ -17,7 +17,7 @@ ESTIMATE = "accuracy.estimate"
 #: that need them.
 LEFT_OUT = {
     ESTIMATE: ("error estimates", "estimate"),
-    "accuracy.tangents": ("sweeps for the tangent stiffness", "stiffness_tangent"),
+    "accuracy.tangents": ("states for the tangent stiffness", "stiffness_tangent"),
 }
 
 

@@ -159,17 +159,15 @@ def test_counters_at_the_top_are_those_of_all_stages() -> None:
     assert cost["bytes"] == sum(stage["bytes"] for stage in stages)
 
 
-def test_tangent_and_estimate_have_accounts_of_their_own() -> None:
+def test_the_estimate_has_an_account_of_its_own_and_the_sweep_counts_its_tangents() -> None:
     with_both = solved(**FEW).cost
     stages = with_both["stages"]
-    assert [stages[name]["counters"]["states"] for name in ("sweep", "tangent", "estimate")] == [
-        4,
-        8,
-        16,
-    ]
+    assert [stages[name]["counters"]["states"] for name in ("sweep", "estimate")] == [4, 16]
+    plain = solved(accuracy__tangents=False, **FEW).cost
     for name in ("influence_columns", "pivots", "contact_passes"):
-        assert stages["sweep"]["counters"][name] == with_both["of_this_torque"][name]
-        assert stages["tangent"]["counters"][name] > 0
+        assert plain["of_this_torque"][name] == with_both["of_this_torque"][name]
+        assert plain["stages"]["sweep"]["counters"][name] == plain["of_this_torque"][name]
+        assert stages["sweep"]["counters"][name] > with_both["of_this_torque"][name]
         assert stages["estimate"]["counters"][name] > 0
     alone = solved(accuracy__estimate=False, **FEW).cost
     assert "estimate" not in alone["stages"]
@@ -177,11 +175,12 @@ def test_tangent_and_estimate_have_accounts_of_their_own() -> None:
 
 
 def test_torques_of_a_list_share_the_run_and_have_their_own_part() -> None:
-    scene = fl.Scene.from_dict(changed(load__torque_Nm=[0, 100, 302], **FEW))
+    scene = fl.Scene.from_dict(
+        changed(load__torque_Nm=[0, 100, 302], accuracy__tangents=False, **FEW)
+    )
     nothing, light, full = (result.cost for result in fl.solve(scene).by_torque)
     assert nothing["stages"] == light["stages"] == full["stages"]
     assert nothing["stages"]["sweep"]["counters"]["states"] == 12
-    assert nothing["stages"]["tangent"]["counters"]["states"] == 16
     assert not any(nothing["of_this_torque"].values())
     for name, number in full["stages"]["sweep"]["counters"].items():
         if name != "states":
@@ -330,7 +329,7 @@ def test_table_of_costs_has_predicted_and_spent_side_by_side() -> None:
     table = dict(row.strip().rsplit(maxsplit=2)[::2] for row in rows)
     assert table["fe factorisations"] == "1"
     predicted = {tuple(row.strip().rsplit(maxsplit=2)[:2]) for row in rows if "CPU" not in row}
-    assert {("states", "4"), ("states", "8"), ("unit loads normal", "5")} <= predicted
+    assert {("states", "4"), ("states", "16"), ("unit loads normal", "5")} <= predicted
     assert ("pivots", "-") in predicted
     assert "unit loads tangential" not in table
 

@@ -319,8 +319,7 @@ def test_tangents_are_left_out_where_they_are_not_wanted() -> None:
     scene = base("external_gear").replace({"accuracy.tangents": True})
     quiet = fl.solve(scene.replace({"accuracy.tangents": False}))
     found = fl.solve(scene)
-    assert "tangent" in found.cost["stages"]
-    assert "tangent" not in quiet.cost["stages"]
+    assert found.cost["contact_passes"] > quiet.cost["contact_passes"]
     for name in ("rotation_rad", "transmission_error_um", "stiffness_secant_Nm_per_rad"):
         assert np.array_equal(getattr(found, name), getattr(quiet, name))
     apart = quiet.stiffness_tangent_Nm_per_rad / found.stiffness_tangent_Nm_per_rad - 1.0

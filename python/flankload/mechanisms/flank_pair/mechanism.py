@@ -64,8 +64,8 @@ class FlankPair:
     work = staticmethod(predicted_work)
 
     def sweeps(self, scene: Scene) -> int:
-        """Number of sweeps: states, tangents, and those of the estimate."""
-        return 2 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
+        """Number of sweeps: states, and those of the estimate."""
+        return 1 + (MOST_SWEEPS if scene.accuracy.estimate else 0)
 
     compliances = staticmethod(compliances_of)
     states = staticmethod(flank_states)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 from flankload.analysis.deciding_positions import DECIDING
 from flankload.analysis.estimate import n_sweeps
-from flankload.analysis.tangent import SIDES
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
@@ -263,8 +262,6 @@ def states_of(scene: Scene, pair: BodyPair) -> dict[str, int]:
     """Number of states at each position, by stage: later ones only under a torque."""
     loaded = sum(torque > 0 for torque in scene.torques_Nm)
     states = {"sweep": len(scene.torques_Nm)}
-    if scene.accuracy.tangents and not pair.effects.lumped_contact:
-        states["tangent"] = len(SIDES) * loaded
     if scene.accuracy.estimate:
         states["estimate"] = estimate_sweeps(pair) * loaded
     return states

@@ -14,8 +14,8 @@ from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import FEW_CELLS, error_beside_cells, measured_error
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.sampling_error import of_positions
-from flankload.analysis.tangent import with_tangents, with_unloaded
 from flankload.analysis.tip_error import tip_error
+from flankload.analysis.unloaded import with_unloaded
 from flankload.base.number_text import percent
 from flankload.contact.status import on_corner
 from flankload.contact.sweep import join_sweeps, known_contacts, sweep
@@ -102,7 +102,14 @@ def flank_states(
         return _continued_states(scene, pair, compliances, clock, similar)
     contact = contact_of(scene, pair, compliances)
     with clock.stage("sweep") as account:
-        run = partial(sweep, contact, torques_Nmm=scene.torques_Nmm, account=account)
+        run = partial(
+            sweep,
+            contact,
+            torques_Nmm=scene.torques_Nmm,
+            # a lumped contact is solved with its tangent
+            tangents=scene.accuracy.tangents and not pair.effects.lumped_contact,
+            account=account,
+        )
         try:
             pair, found, errors, rounds = _all_positions(scene, pair, run, clock)
         except ContactError as error:
@@ -111,15 +118,10 @@ def flank_states(
             blame_load(scene, pair, geometry, error, lambda torque: alone([torque]))
             raise
         account.bytes += held_bytes(found)
-    again = partial(sweep, contact, pair.position_rad, keep_pairs=False)
-    if scene.accuracy.tangents and not pair.effects.lumped_contact:
-        # a lumped contact is solved with its tangent
-        with clock.stage("tangent") as account:
-            progress = clock.sweep_progress("tangent")
-            found = with_tangents(found, partial(again, account=account, progress=progress))
     with clock.account("result") as account:
         if unloaded:
-            found = with_unloaded(found, partial(again, account=account))
+            run = partial(sweep, contact, pair.position_rad, keep_pairs=False, account=account)
+            found = with_unloaded(found, run)
     for name in ("states", "slices"):  # those are of positions under a torque
         account.counters.pop(name, None)
     geometry = pair_geometry(pair, compliances)

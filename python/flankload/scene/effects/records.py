@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: Effects of scenes with a table [stage] only.
 STAGE = "stage"
 BODIES = ("compliance body 1", "compliance body 2")
-SWEEPS = ("sweep", "tangent", "estimate")
+SWEEPS = ("sweep", "estimate")
 #: Common parts of records: effects on the elastic part of a body, on gaps, by expansion.
 OF_SECTORS: dict[str, Any] = {"stages": BODIES, "size_by": "compliance", "of_teeth": True}
 OF_GAPS: dict[str, Any] = {"stages": ("bodies",), "size_by": "gaps", "of_teeth": True}

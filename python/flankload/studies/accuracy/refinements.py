@@ -205,7 +205,7 @@ def affordable(
         }
         elements = sum(s for name, s in seconds.items() if name.startswith("compliance"))
         solutions = elements * refinements.possible.solutions
-        states = seconds.get("sweep", 0.0) + seconds.get("tangent", 0.0)
+        states = seconds.get("sweep", 0.0)
         if solutions + LADDER_SWEEPS * states <= LADDERS_PART * budget_s:
             break
     return found

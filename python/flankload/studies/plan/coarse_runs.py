@@ -119,11 +119,11 @@ class CoarseRuns:
             self._unloaded_rad = unloaded[self._every]
 
     def _run(self, scene: Scene) -> tuple[Result, ...]:
-        """Coarse run at few positions, without tangents and estimate, also beyond the limits."""
+        """Coarse run at few positions, without estimate, also beyond the limits."""
         if scene not in self._runs:
             run = coarse(scene, self._parts)
             positions = Positions(angles_deg=self._angles_deg, driver=run.positions.driver)
-            accuracy = structs.replace(run.accuracy, estimate=False, tangents=False)
+            accuracy = structs.replace(run.accuracy, estimate=False)
             effects = structs.replace(run.effects, beyond_limits=True)
             run = replace(run, positions=positions, accuracy=accuracy, effects=effects)
             self._runs[scene] = self._solved(scene, run, unloaded=False)
@@ -314,7 +314,7 @@ class _More:
 
 
 #: Stages of states, and least seconds of one: the resolution of clocks.
-STATES, TINY_S = {"sweep", "tangent", "estimate"}, 1e-7
+STATES, TINY_S = {"sweep", "estimate"}, 1e-7
 #: Counters that grow with the number of cells.
 WITH_CELLS = ("influence_columns", "influence_columns_tangential", "pivots", "refactorisations")
 #: Beginning of the reason for a missing size, if a scene cannot have the effect.
