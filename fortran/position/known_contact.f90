@@ -67,8 +67,8 @@ contains
         logical, intent(in) :: touches(:)
         !> Loads of the motions, shape (motions)
         real(wp), intent(in) :: loads(:)
-        !> State with its pairs on entry, or only those in contact; solved on return, its certificate
-        !> is NaN
+        !> State with its pairs on entry, or only those in contact; solved on return, with a
+        !> certificate of NaN
         type(position_state), intent(inout) :: state
         !> False if the equations are singular: the state is then unchanged
         logical, intent(out) :: solved
