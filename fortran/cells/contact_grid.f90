@@ -36,6 +36,8 @@ module flankload_contact_grid
         !> Arc lengths of the pairs in these cells [mm], shape (n); not allocated if they are in the
         !> middle
         real(wp), allocatable :: centers(:)
+        !> True for cells that get a pair, shape (n); not allocated if all do
+        logical, allocatable :: chosen(:)
         !> Ends of the grid on flank 1 [mm]
         real(wp) :: low = 0.0_wp, high = 0.0_wp
         !> True if the grid may be extended when there is a force at its end; false if the range of

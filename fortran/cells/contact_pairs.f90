@@ -64,8 +64,7 @@ contains
     end subroutine reserve_pairs
 
     !> Append the pairs of one zone.
-    pure subroutine append_pairs(facing, zone, number, grid, normal, deviation, pairs, found, &
-            & chosen)
+    pure subroutine append_pairs(facing, zone, number, grid, normal, deviation, pairs, found)
         !> Flanks and their frames
         type(facing_type), intent(in) :: facing
         !> Zone and its number
@@ -81,8 +80,6 @@ contains
         type(pairs_type), intent(inout) :: pairs
         !> False if a circle does not cross flank 2
         logical, intent(out) :: found
-        !> True for cells that get a pair, shape (cells); all by default
-        logical, intent(in), optional :: chosen(:)
 
         integer :: k
         real(wp) :: s_1, cell, s_2_range(2), normals(2, 2)
@@ -100,8 +97,8 @@ contains
             if (.not. found) return
         end if
         do k = 1, grid%n
-            if (present(chosen)) then
-                if (.not. chosen(k)) cycle
+            if (allocated(grid%chosen)) then
+                if (.not. grid%chosen(k)) cycle
             end if
             call locate_cell(grid, k, s_1, cell)
             if (abs(s_1 - pair%s_1) > 0.0_wp) then

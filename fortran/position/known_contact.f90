@@ -103,15 +103,12 @@ contains
         ! symmetric but for rounding
         if (allocated(state%pairs%friction)) then
             call getrf(n, matrix, row_swaps, info)
+            if (info == 0) call solve_lu(n, matrix, columns, row_swaps)
         else
             call potrf(n, matrix, info)
+            if (info == 0) call solve_cholesky(n, matrix, columns)
         end if
         if (info /= 0) return
-        if (allocated(state%pairs%friction)) then
-            call solve_lu(n, matrix, columns, row_swaps)
-        else
-            call solve_cholesky(n, matrix, columns)
-        end if
         call solve_motions(rows, columns, loads, motion, tangent, solved)
         if (.not. solved) return
         if (size(loads) == 1) solved = tangent(1, 1) > 0.0_wp

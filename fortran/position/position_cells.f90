@@ -161,10 +161,10 @@ contains
             first = 1
             do z = 1, size(zones)
                 if (.not. cells%included(z)) cycle
-                call append_cells(bodies, meshes, position, z, cells, &
-                    & chosen(first:first + grids(z)%n - 1), pairs, error)
-                if (allocated(error)) return
+                if (present(given)) grids(z)%chosen = chosen(first:first + grids(z)%n - 1)
                 first = first + grids(z)%n
+                call append_cells(bodies, meshes, position, z, cells, pairs, error)
+                if (allocated(error)) return
             end do
         end associate
 
@@ -218,7 +218,7 @@ contains
     end subroutine take_one_width
 
     !> Append the pairs on the cells of a zone.
-    pure subroutine append_cells(bodies, meshes, position, z, cells, chosen, pairs, error)
+    pure subroutine append_cells(bodies, meshes, position, z, cells, pairs, error)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
@@ -227,8 +227,6 @@ contains
         integer, intent(in) :: z
         !> The cells
         type(cells_type), intent(in) :: cells
-        !> True for cells of the zone that get a pair
-        logical, intent(in) :: chosen(:)
         !> The pairs
         type(pairs_type), intent(inout) :: pairs
         !> Set if a circle misses flank 2
@@ -243,7 +241,7 @@ contains
         associate (zone => position%zones(z), facing => position%facing(site))
             normal = contact_normal(facing, zone, cells%reach(:, z))
             call append_pairs(facing, zone, z, cells%grids(z), normal, &
-                & position%deviation(site), pairs, found, chosen)
+                & position%deviation(site), pairs, found)
             if (.not. found) then
                 call fatal_error(error, code_circle_misses)
                 return

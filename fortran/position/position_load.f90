@@ -114,23 +114,6 @@ contains
 
     contains
 
-        !> Continue the pairs in contact of a state, if its cells do not depend on earlier forces.
-        pure subroutine follow(state, contact)
-            !> State under the loads before
-            type(position_state), intent(in) :: state
-            !> Pairs in contact
-            type(known_contact), intent(inout) :: contact
-
-            !> Ratio of cell widths up to which K of some of the cells is that part of K of all: the
-            !> near field of more graded ones is averaged
-            real(wp), parameter :: similar = 5.0_wp
-
-            if (state%status < 0 .or. state%passes /= 1) return
-            contact%touches = state%forces > 0.0_wp
-            contact%whole = maxval(state%pairs%cell_1) > similar*minval(state%pairs%cell_1) &
-                & .or. maxval(state%pairs%cell_2) > similar*minval(state%pairs%cell_2)
-        end subroutine follow
-
         !> Find the points of least gap.
         subroutine locate(load, everywhere, at)
             !> Loads of the motions, shape (motions)
@@ -156,6 +139,23 @@ contains
         end subroutine locate
 
     end subroutine solve_cases
+
+    !> Continue the pairs in contact of a state, if its cells do not depend on earlier forces.
+    pure subroutine follow(state, contact)
+        !> State under the loads before
+        type(position_state), intent(in) :: state
+        !> Pairs in contact
+        type(known_contact), intent(inout) :: contact
+
+        !> Ratio of cell widths up to which K of some of the cells is that part of K of all: the
+        !> near field of more graded ones is averaged
+        real(wp), parameter :: similar = 5.0_wp
+
+        if (state%status < 0 .or. state%passes /= 1) return
+        contact%touches = state%forces > 0.0_wp
+        contact%whole = maxval(state%pairs%cell_1) > similar*minval(state%pairs%cell_1) &
+            & .or. maxval(state%pairs%cell_2) > similar*minval(state%pairs%cell_2)
+    end subroutine follow
 
     !> Report an error for several meshes or motions with what is defined for one mesh and the
     !> rotation of body 1 only: slices that conform, finite forces, and friction, whose state may

@@ -160,8 +160,7 @@ contains
             if (present(known)) contacts = [(contact_of(known, at, t), t=1, size(loads, 2))]
             call solve_position(bodies, meshes, motions, configurations(at), loads, states, &
                 & contacts, last)
-            ! pairs of continued states are those of the torque before
-            where (contacts%of_last) states%pairs%n = 0
+            where (contacts%of_last) states%pairs%n = 0   ! they are those of the torque before
             needed = merge(sum(states%pairs%n, mask=states%status >= 0), 0, most > 0)
             !$omp atomic capture
             before = used
