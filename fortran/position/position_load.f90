@@ -105,6 +105,7 @@ contains
                 call solve_loads(bodies, meshes, loads(:, t), known_contact(), whole, anew, &
                     & states(t), error)
             end if
+            if (contact%of_last) states(t)%pairs%n = 0   ! they are those of the loads before
             if (allocated(error)) then
                 states(t)%status = error%code
                 deallocate (error)

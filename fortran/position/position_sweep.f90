@@ -109,8 +109,8 @@ contains
 
         k = 0
         if (present(summed)) k = merge(size(bodies), 0, summed)
-        call reserve(found, k, sum(meshes%n_sites), size(motions), &
-            & size(configurations), size(loads, 2))
+        call reserve(found, k, sum(meshes%n_sites), size(motions), size(configurations), &
+            & size(loads, 2))
         used = 0
         first = first_at_angles(configurations)
         !$omp parallel do schedule(dynamic) private(room)
@@ -160,7 +160,6 @@ contains
             if (present(known)) contacts = [(contact_of(known, at, t), t=1, size(loads, 2))]
             call solve_position(bodies, meshes, motions, configurations(at), loads, states, &
                 & contacts, last)
-            where (contacts%of_last) states%pairs%n = 0   ! they are those of the torque before
             needed = merge(sum(states%pairs%n, mask=states%status >= 0), 0, most > 0)
             !$omp atomic capture
             before = used
