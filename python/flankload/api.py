@@ -76,7 +76,7 @@ def explore(
     open_browser : bool
         Whether the page is opened; otherwise at `Explorer.url`, or as the value of a notebook cell.
     port : int
-        0: any that is free.
+        0: any free port.
 
     Returns
     -------
@@ -86,7 +86,7 @@ def explore(
     Raises
     ------
     SceneError
-        If the scene is impossible, or a path is no numeric key of it.
+        If the scene is impossible, or a path is not a numeric key of it.
     ImportError
         Without the package bokeh (pip install 'flankload[explore]').
     OSError

@@ -83,8 +83,8 @@ SHARE_TO_PEAK = 3.0
 #: change.
 NODES = Rule(0.5, 0.5, 0.5, 0.5)
 #: Half as many slices, compared on these. A slice in which a contact ends has the same relative
-#: error at any width, and two halves together have at least a half of it less: line loads and
-#: pressures err by up to twice the change.
+#: error at any width, and its two halves together have at most half of that error: the error of
+#: line loads and pressures is at most twice the change.
 SLICES = Rule(0.5, 0.5, 1.5, 0.5)
 #: Without the two highest modes along the profile or degrees along the axis. Line loads and
 #: pressures at an end converge with the second power of these numbers, so that from 3 to 5 degrees

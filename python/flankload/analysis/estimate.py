@@ -90,7 +90,7 @@ OVERALL = (
 )
 #: … in three dimensions.
 OF_WIDTH = (LINE_LOAD, PEAK_LINE, FACE_LOAD, LINE_FACTOR)
-#: Why the peak pressure of a sweep may have any error beyond its estimate: the pressure on sharp
+#: Reasons why no estimate bounds the error of the peak pressure: the pressure on sharp
 #: corners has no limit; on a rounding or a chamfer the error was up to 14 times the change that the
 #: estimate sees, as the modes of the tip converge slowly on what is much shorter than an element.
 ON_CORNERS = (

@@ -28,7 +28,7 @@ PURE = 0.99
 
 #: Relative difference of equal frequencies: that of a stiffness by differences.
 EQUAL = 1e-5
-#: Largest order of the mesh frequency that is looked at.
+#: Largest order of the mesh frequency that is considered.
 HIGHEST_ORDER = 24
 #: Bodies in the energies of a mode.
 MEMBERS = ("sun", "planets", "ring", "carrier")
@@ -81,9 +81,9 @@ class Mode:
     def orders(self, sun_teeth: int, highest: int) -> tuple[int, ...]:
         """Orders of the mesh frequency that excite the mode, up to a highest.
 
-        Of n equal planets, order l excites planet j with the phase 2 pi j l z_s/n: rotational modes
-        if l z_s is a multiple of n, translational ones if it is one more or less, planet modes
-        otherwise. All orders if the mode is no pure one.
+        With n equal planets, order l excites planet j with the phase 2 pi j l z_s/n: rotational
+        modes if l z_s is a multiple of n, translational ones if it is one more or less, planet
+        modes otherwise. A mode of mixed kind is excited by all orders.
         """
         n = (self.shape.size - 9) // 3
         every = range(1, highest + 1)

@@ -8,8 +8,8 @@ the axis. With the normal n of the flank, the direction n' of the force and the 
 circle, the compliance between places i and j is multiplied by k_i k_j, k = (n'·u)/(n·u). The near
 field has no preferred direction.
 
-The sign of this error is known, but it is reported as an uncertainty: that it cancels errors of
-other sources at one torque and position is no general rule.
+The sign of this error is known, but it is reported as an uncertainty, since it cancels errors of
+other sources at some torques and positions only.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from flankload.pairing.body_pair import BodyPair
 
 
-#: A site takes part where it takes up more than this part of what the stiffest does.
+#: Sites are included whose marginal force exceeds this part of the largest one.
 LEAST_MARGINAL_FORCE = 1e-3
 #: The compliance of a site under its own force is at least this part of its whole compliance.
 LEAST_OWN = 0.1
@@ -74,7 +74,7 @@ def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:
     changes = {
         "transmission_error": error / np.abs(rotation).max(),
         "load_share": apart / np.maximum(force.sum(axis=1, keepdims=True), tiny),
-        # the peak of a line contact goes with the root of its force
+        # the peak of a line contact is proportional to the root of its force
         "peak_pressure": 0.5 * grown * peak / max(float(peak.max()), tiny),
     }
     true = rotation - error
@@ -129,7 +129,7 @@ class _Loads:
 
     @cached_property
     def loaded(self) -> Flags:
-        """Which of all pairs are loaded."""
+        """Flags of the loaded ones among all pairs."""
         return self.found.pairs.column("force") > 0
 
     @cached_property

@@ -8,7 +8,7 @@ from flankload.base.rounding import TIE
 def number_of(text: str) -> float:
     """A number from its digits 0 to 9; Python also reads "5_0" and the digits of other scripts.
 
-    Raises ValueError if the text is no number; infinity and NaN are left to the caller.
+    Raises ValueError if the text is not a number; infinity and NaN are left to the caller.
     """
     if "_" in text or not text.isascii():
         raise ValueError(f"no number: {text!r}")

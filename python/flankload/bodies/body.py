@@ -67,7 +67,7 @@ class SectorMesh:
         Name of the region of each entry of `cells`, "" if it is as wide as the teeth; empty if all
         elements are.
     bore_edges : (b, 3) array
-        Edges, as of `flank_edges`, of a bore (or the outside of a ring) that is free but for its
+        Edges, as for `flank_edges`, of a bore (or the outside of a ring) that is free but for its
         mean motion; empty if it is fixed.
     """
 
@@ -334,11 +334,6 @@ class Body(BodySites):
         none = BodySites()
         without = {entry.name: getattr(none, entry.name) for entry in fields(BodySites)}
         return replace(body, **without, axial=body.axial.without_lead())
-
-    def in_mirror_image(self) -> Body:
-        """The body behind a mirror along the axis, in which coast flanks are working flanks."""
-        elements = None if self.elements is None else self.elements.in_mirror_image()
-        return replace(self, axial=self.axial.in_mirror_image(), elements=elements)
 
     @property
     def is_parametric(self) -> bool:

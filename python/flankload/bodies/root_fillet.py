@@ -96,7 +96,7 @@ class RootFillets:
         By flank of the mesh (one for a sector): degrees of freedom of the fillets' nodes, and the
         matrix from their displacements to tangential strains.
     on_elements : FilletNodes
-        Those of the first flank.
+        Nodes of the first flank.
     """
 
     points: RootPoints

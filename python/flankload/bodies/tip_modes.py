@@ -124,7 +124,7 @@ def projected_with_tip(
     n_modes : int
         Including those of the tip.
     mode_range_mm : (float, float)
-        That of the flank.
+        Range of the flank.
     tip : Tip
     mirror : float
         K(s', s)/K(s, s'): 1 or -1.
@@ -147,7 +147,7 @@ def image_with_tip(
 ) -> Floats:
     """<P_a, ln(d + d') P_b> over flank and tip (n_modes, n_modes) from that over the flank (p, p).
 
-    d: distances from the low end of the flank; others as of `projected_with_tip`.
+    d: distances from the low end of the flank; others as for `projected_with_tip`.
     """
     length = mode_range_mm[1] - mode_range_mm[0]
     (x, before), (y, behind) = _pieces(n_modes, mode_range_mm, tip)

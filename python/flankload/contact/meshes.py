@@ -85,7 +85,7 @@ class MeshStates:
     Attributes
     ----------
     status : (P, T)
-        As of a pair; -23: several meshes or motions exclude the settings of the meshes.
+        As for a pair; -23: several meshes or motions exclude the settings of the meshes.
     motion : (P, T, q)
         Motions, mm or rad; NaN for one on which no force works.
     tangent : (P, T, q, q)
@@ -98,7 +98,7 @@ class MeshStates:
         Forces along x and y, N, and moment about its axis, N mm, of all contacts on each body in
         the fixed frame.
     site_force_N, site_peak_N_per_mm, site_corner : (P, T, S)
-        Those of the sites, mesh after mesh.
+        Values of the sites, mesh after mesh.
     pairs : tuple of PackedPairs
         Pairs of each case of loads; sites are those of all meshes, points and normals are in the
         frame of their mesh.

@@ -47,9 +47,9 @@ if TYPE_CHECKING:
     from flankload.pairing.gear_mesh import GearMesh
     from flankload.scene.discretization import Grid
 
-#: Torque in place of none, N mm per mm of the centre distance and of the face width: deflections by
-#: it are of the order of rounding errors. States without load are limits for vanishing torques, in
-#: which the members that float still follow from the balance of their forces.
+#: Torque that replaces zero, N mm per mm of the centre distance and of the face width: deflections
+#: by it are of the order of rounding errors. States without load are limits for vanishing torques,
+#: in which the places of floating members still follow from the balance of their forces.
 VANISHING = 1e-5
 
 
@@ -109,7 +109,7 @@ class MeshesContact(Generic[PairingT, SupportsT]):
     supports : Supports
     grid : Grid
     level : str
-        As of `FlankContact`.
+        As for `FlankContact`.
     coupled : bool
         Whether forces in a mesh deform the bodies in other meshes.
     """
@@ -264,7 +264,7 @@ def meshes_problem(
 ) -> tuple[list[Floats], list[Floats], tuple[Motion, ...], Floats, Floats, Floats]:
     """Arguments of `solve_meshes`: records, motions, angles, loads, displacements.
 
-    In place of the torque 0 there is a vanishing one, which keeps the flanks in contact.
+    The torque 0 is replaced by a vanishing one, which keeps the flanks in contact.
     """
     pairing, mesh = contact.pairing, contact.meshes[0]
     torques = np.asarray(torques_Nmm, dtype=float)
@@ -425,7 +425,7 @@ def _places(contact: AnyContact, motions: Floats, turn_rad: float) -> Floats:
     """(P, B, 3) Displacements x, y (mm) and rotations of the bodies by motions."""
     found = np.zeros((len(motions), len(contact.pairing.tables), 3))
     for motion, column in zip(contact.motions, motions.T, strict=True):
-        # a body without load has any rotation: none
+        # the rotation of a body without load is arbitrary: 0
         moved = np.nan_to_num(column) if motion.kind == "rotation" else column
         bodies = slice(motion.body, motion.through + 1)
         found[:, bodies, KINDS[motion.kind] - 1] += motion.sign * moved[:, np.newaxis]

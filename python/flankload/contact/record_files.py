@@ -86,7 +86,7 @@ def _motions(mark: int, counts: Sequence[int], *parts: Floats) -> Floats:
 
 
 def text_of(record: Floats, title: str) -> str:
-    """Numbers of a record, to the last bit, with a title behind them, where no program reads."""
+    """Numbers of a record, to the last bit, with a title behind them, which no program reads."""
     words = [f"{number:.17g}" for number in record[: int(record[1])].tolist()]
     lines = (words[k : k + IN_LINE] for k in range(0, len(words), IN_LINE))
     return "\n".join([*(" ".join(line) for line in lines), f"! {title}"]) + "\n"

@@ -70,7 +70,7 @@ def contact_stiffness(contact: StageContact, found: MeshesSweep, position_rad: F
 def _places(contact: StageContact, found: MeshesSweep, position_rad: Floats) -> Floats:
     """(P, n + 2, 3) Displacements of sun, planets and ring in their states; the sun does not turn.
 
-    A planet without load has any rotation: none.
+    The rotation of a planet without load is arbitrary: 0.
     """
     places = contact.errors.displacements(contact.pairing, position_rad).copy()
     places[:, :, :2] += found.moved_mm

@@ -108,7 +108,7 @@ class AxialBasis(AxialFunctions):
     def mixed(self) -> Floats:
         """D1, integral of phi_a phi_b' dz, (p + 1, p + 1), 1/mm.
 
-        Of polynomials, with P_b' = sum of (2k + 1) P_k over k = b - 1, b - 3, ... the entries are
+        For polynomials, P_b' = sum of (2k + 1) P_k over k = b - 1, b - 3, ..., the entries are
         2 sqrt((2a + 1)(2b + 1))/b for a < b and odd a + b, else 0.
         """
         if self.inside_mm:

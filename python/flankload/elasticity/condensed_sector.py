@@ -21,7 +21,7 @@ IN_PLANE = np.array([0, 1, 5])
 
 @dataclass(frozen=True)
 class MeanMotion:
-    """Reactions on the bore of a condensed sector, only whose mean motion is held.
+    """Reactions on the bore of a condensed sector of which only the mean motion is held.
 
     The n reactions are tractions in proportion to u_x, u_y and t_z in the plane, to all six motions
     of a rigid body in three dimensions; as readings they are the mean motions.
@@ -58,9 +58,9 @@ class CondensedSector:
         Components of a displacement: 2, or 3 with the axial one last. The unknowns of a point of a
         cut are consecutive.
     mean : MeanMotion or None
-        Of a bore that is not fixed itself.
+        Mean motion of a bore that is not fixed itself.
     line : (float, (u,) array) or None
-        Of a symmetric sector, whose cuts are straight: polar angle of the left one, rad, and the
+        For a symmetric sector, whose cuts are straight: polar angle of the left one, rad, and the
         signs of the unknowns of one of its points in its image about the cut, with x along it.
     """
 

@@ -113,7 +113,7 @@ def compliance_error(
 def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
     """Strains at the nodes, extrapolated from the superconvergent points and averaged.
 
-    Arguments as of `compliance_error`; (N, 3 p): e_xx, e_yy and 2 e_xy, each for all p loads.
+    Arguments as for `compliance_error`; (N, 3 p): e_xx, e_yy and 2 e_xy, each for all p loads.
     """
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)

@@ -57,7 +57,7 @@ class SectionStiffness:
     twist : float
         kappa, rad/mm, counter-clockwise with increasing z.
     functions : AxialFunctions
-        Those of the nodes.
+        Functions of the nodes.
     cut_degree : int
         Degree q <= p in z of the displacements of the cuts of a sector: the first c (q + 1)
         unknowns of their nodes.
@@ -149,7 +149,7 @@ def section_stiffness(
 ) -> SectionStiffness:
     """Section matrices of a prism with the axis at the origin, without its functions of z.
 
-    Nodes and cells as of `stiffness`; `twist`: kappa, rad/mm; `regions`: number of the region of
+    Nodes and cells as for `stiffness`; `twist`: kappa, rad/mm; `regions`: number of the region of
     each entry of `cells`, by default one.
     """
     moduli = _moduli(material, "strain")

@@ -72,7 +72,7 @@ class LoadedBody:
     body : Body
         From `Body.for_elements`.
     section : SectionStiffness
-        Of the mesh of the body, with the functions of z of its nodes.
+        Section of the mesh of the body, with the functions of z of its nodes.
     plane : {"strain", "stress"}
     axial : AxialBasis
         Functions of z over the width of the teeth.

@@ -253,7 +253,7 @@ def mirrored_loads(mesh: SectorMesh, loads: Floats, center_rad: float) -> tuple[
 
 
 def coast_nodes(mesh: SectorMesh, nodes: Numbers, center_rad: float) -> tuple[Numbers, int]:
-    """Mirror images (n,) of nodes of the flank, and the tooth as of `mirrored_loads`."""
+    """Mirror images (n,) of nodes of the flank, and the tooth as for `mirrored_loads`."""
     turn = reflection(mesh, 1, 2, twisted=True)
     # faster than the import of a search tree
     apart = [((mesh.nodes - place) ** 2).sum(axis=1) for place in mesh.nodes[nodes] @ turn]

@@ -60,7 +60,7 @@ def condense_sector(
         Kinds of further readings of the displacements. Body loads are readings, too: by reciprocity
         (Betti), they read the displacements that they cause.
     reactions : (N, u, n) array, optional
-        Those of a bore whose mean motion is held (`MeanMotion`).
+        Reactions of a bore whose mean motion is held (`MeanMotion`).
     held : bool
         Whether the cuts are fixed.
     """

@@ -89,8 +89,8 @@ class Explorer:
         Raises
         ------
         SceneError
-            If a path is no numeric key of the scene, a value is no number or out of range, or the
-            scene is impossible: the page keeps its values.
+            If a path is not a numeric key of the scene, a value is not a number or out of range,
+            or the scene is impossible: the page keeps its values.
         FlankloadError
             If a position has no solution, or the explorer is closed.
         """

@@ -31,7 +31,7 @@ ADJUSTED = ("um", "um/mm", "mrad", "N m", "N")
 #: Keys with these units that nearly every design of a kind has, if the kind has the key.
 COMMON = ("tip_relief_um", "profile_crowning_um", "lead_crowning_um", "pitch_difference_um",
           "inclination_um_per_mm", "deviation_um_per_mm", "misalignment_mrad")  # fmt: skip
-#: What an absent key requires beside itself: where a relief begins, without a kink.
+#: Keys that an absent key requires beside itself: start of a relief, shape without a kink.
 BESIDE: dict[str, dict[str, Any]] = {
     f"{end}_relief_um": {f"{end}_relief_length": "long", f"{end}_relief_shape": "parabolic"}
     for end in ("tip", "root")
@@ -49,7 +49,7 @@ class Key:
     Attributes
     ----------
     path : str
-        As of `Scene.replace`.
+        As for `Scene.replace`.
     unit, meaning : str
         From the schema.
     value : float
@@ -175,7 +175,7 @@ def _step(low: float, high: float, *, whole: bool) -> float:
 def shown_keys(scene: Scene, keys: Mapping[str, Key], vary: Sequence[str]) -> tuple[Key, ...]:
     """Keys with a slider: those that are asked for, or those that designers of the kind adjust.
 
-    Raises SceneError at a path that is no numeric key, or at an impossible range.
+    Raises SceneError at a path that is not a numeric key, or at an impossible range.
     """
     if vary:
         return tuple(dict.fromkeys(_asked(keys, text) for text in vary))
@@ -206,11 +206,11 @@ def _is_common(scene: Scene, keys: Mapping[str, Key], key: Key) -> bool:
 
 
 def changes_of(keys: Mapping[str, Key], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Changes of a scene, as of `Scene.replace`, that give keys their values.
+    """Changes of a scene, as for `Scene.replace`, that give keys their values.
 
     A relief that the scene does not have begins at the end of single contact.
 
-    Raises SceneError at a path that is no numeric key, or at a value that is no number.
+    Raises SceneError at a path that is not a numeric key, or at a value that is not a number.
     """
     found: dict[str, Any] = {}
     for path, value in values.items():

@@ -51,7 +51,7 @@ def write_vtu(
     Parameters
     ----------
     scene : Scene, typed pair, path or mapping
-        As of `solve`.
+        As for `solve`.
     results : Result or sequence of Result
         Of this scene.
     folder : path

@@ -184,8 +184,6 @@ def solve_body(
     earlier runs, has no stage and no cost.
     """
     stage, wide = elements_stage(name), Parts() if parts is None else parts
-    if job.mirrored:
-        body = body.in_mirror_image()
     if not job.needs_elements:
         return no_compliance(body, job.body_load)
     if name in kept:
@@ -261,7 +259,7 @@ def variants_of(
 def account_errors_of_elements(
     clock: StageClock, names: Sequence[str], compliances: Sequence[BodyCompliance]
 ) -> None:
-    """Count the estimated errors of elements, which their stage includes, to the estimate."""
+    """Move the cost of the estimated errors of elements from their stage to the estimate."""
     for name, compliance in zip(names, compliances, strict=True):
         clock.account("estimate").bytes += held_bytes(compliance.fe_error)
         clock.move(compliance.job.seconds, elements_stage(name), "estimate")
@@ -288,8 +286,8 @@ def prism_of(body: Body, scene: Scene) -> Prism | None:
 def modes_of(body: Body, scene: Scene, discretization: Discretization) -> int:
     """Number of pressure modes of a flank with elements, or of its nodes that carry unit forces.
 
-    That of the discretization is used if the scene names no number; the degree is at most half the
-    number of flank elements, since more modes make a coarse mesh worse.
+    If the scene sets no number, that of the discretization is used; the degree is at most half the
+    number of flank elements, since more modes would increase the error on a coarse mesh.
     """
     if scene.effects.near_field == "nodes" and body.mesh is not None:
         return nodes_of(body.mesh).size

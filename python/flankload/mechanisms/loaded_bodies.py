@@ -67,7 +67,7 @@ class Contacts(NamedTuple):
     Attributes
     ----------
     result : Result
-        Of the mesh of the table.
+        Result of the mesh of the table.
     table : PairTable
     number : int
         0 or 1: the number of the body in the table.
@@ -76,7 +76,7 @@ class Contacts(NamedTuple):
     coast : bool
         Whether contacts are on its coast flanks.
     frame : Frame
-        Of the vectors of the table.
+        Frame of the vectors of the table.
     """
 
     result: Result

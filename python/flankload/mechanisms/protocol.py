@@ -272,7 +272,7 @@ class Mechanism(Protocol[A, C, S]):
     ) -> tuple[A, S]:
         """States under all torques, and the assembly at all their positions.
 
-        Those of a scene that differs by a small step may be continued. Without `unloaded`, the
+        The states of a scene that differs by a small step may be continued. Without `unloaded`, the
         state without torque is not solved.
         """
 

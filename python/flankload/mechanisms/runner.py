@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Earlier:
-    """What precedes a run.
+    """Results of earlier runs that a run may use.
 
     Attributes
     ----------
@@ -35,8 +35,8 @@ class Earlier:
     parts : Parts or None
         Bodies and compliances of other scenes; those of the run are added.
     similar : States or None
-        Of a scene that differs by a small step: the run has its positions, and continues its states
-        where that is possible.
+        States of a scene that differs by a small step: the run has its positions, and continues
+        its states where that is possible.
     unloaded : bool
         Whether the state without torque is solved, from which the deflection is measured.
     """

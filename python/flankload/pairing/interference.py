@@ -72,7 +72,7 @@ def overlapping_flanks(
 ) -> Iterator[str]:
     """Warn of overlaps with a root; raise a SceneError for overlaps of tips.
 
-    Parameters as of `overlaps_of`.
+    Parameters as for `overlaps_of`.
     """
     for overlap in overlaps_of(body_1, body_2, pitch_radii_mm, distance_mm):
         where = (

@@ -134,7 +134,7 @@ class Slices:
     def site_angles(self, angles_rad: Floats, body: int, *, coast: bool = False) -> Floats:
         """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site.
 
-        Those of coast flanks are angles of the mirror image, whose helix has the other hand.
+        For coast flanks: angles of the mirror image, whose helix has the other hand.
         """
         turns = self.turns_rad[body]
         return np.asarray(np.add.outer(angles_rad, -turns if coast else turns).ravel())

@@ -15,6 +15,7 @@ both are alike, and z increases away from the groove in each.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, radians
 from typing import TYPE_CHECKING
 
@@ -118,7 +119,7 @@ def idler_pairing(
     reached = reached_positions(position_rad, driver)
     first = MeshPlace((driver, idler), (0, 0), (1, -1), (-1, 1)).of(one, reached)
     place = MeshPlace((idler, driven), (-back, 0), (-1, 1), (0, 1))
-    image = idler.in_mirror_image()
+    image = replace(idler, axial=idler.axial.in_mirror_image())
     second = place.of(two, reached_positions(offset + rate * position_rad, image))
     centers = np.array([[0.0, 0.0], [distances_mm[0], 0.0], [distances_mm[0], 0.0]])
     centers[1] += distances_mm[1] * directions(np.array([frame]))[0]
@@ -142,7 +143,7 @@ def two_pinions_pairing(
     distances_mm: tuple[float, float],
     position_rad: Floats,
 ) -> TrainPairing:
-    """Body 1 drives bodies 2 and 3; parameters as of `idler_pairing`, the angle is at body 1."""
+    """Body 1 drives bodies 2 and 3; parameters as for `idler_pairing`, the angle is at body 1."""
     wheel, *pinions = bodies
     names = ("body_1", "body_2"), ("body_1", "body_3")
     meshes: list[PlacedMesh] = []
@@ -176,7 +177,7 @@ def double_helical_pairing(
     distances_mm: tuple[float, float],
     position_rad: Floats,
 ) -> TrainPairing:
-    """Both halves of body 1 drive those of body 2; parameters as of `idler_pairing`."""
+    """Both halves of body 1 drive those of body 2; parameters as for `idler_pairing`."""
     pinion, wheel = bodies
     names, distance = ("body_1", "body_2"), distances_mm[0]
     pair = paired(names, (pinion, wheel), distance)

@@ -128,7 +128,7 @@ def _reach(figure: Figure) -> tuple[tuple[int, int], dict[tuple[str, int], float
 
 
 def _outside(axes: Axes) -> list[Artist]:
-    """What may lie outside the panel beside its axes and titles."""
+    """Objects that may lie outside the panel beside its axes and titles."""
     legend = axes.get_legend()
     labels = [text for text in axes.texts if text.get_gid() == CURVE_LABEL]
     return [*axes.child_axes, *labels, *([legend] if legend is not None else [])]

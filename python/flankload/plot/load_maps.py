@@ -300,7 +300,8 @@ def contact_pattern(result: Result, body: int) -> tuple[Floats, Floats]:
 def _rows(result: Result, table: PairTable, body: int) -> tuple[Floats, ...]:
     """Arc length, half-width, pressure, axial position and radius of the places of a position.
 
-    Of cells, those of the largest pressure in each slice of a flank, with half of the loaded width.
+    For cells: the place of the largest pressure in each slice of a flank, with half of the loaded
+    width.
     """
     assert table.z_mm is not None
     x = table.x_mm - (result.drawing.center_distance_mm if body == 2 else 0.0)

@@ -235,7 +235,7 @@ def _draw_bodies(axes: Axes, result: Result, p: int) -> None:
 def _window(result: Result, p: int) -> tuple[Floats, Floats]:
     """Corners of the drawing: all contacts of the position with a margin of about a tooth.
 
-    Of whole bodies, both with space for their names below.
+    For whole bodies, both of them with space for their names below.
     """
     drawing = result.drawing
     if result.engagement.draws_whole_bodies:

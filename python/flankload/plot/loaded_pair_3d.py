@@ -81,7 +81,7 @@ def _arrangement(
     Parameters
     ----------
     outlines : sequence of tuple
-        As of `_outline`, per body.
+        As for `_outline`, per body.
     place : (2,) array
         Width and height, points.
     """

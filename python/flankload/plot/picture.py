@@ -1,4 +1,4 @@
-"""What the plots of results have in common: what they show, their figures, their docstrings.
+"""Common parts of the plots of results: the data that they show, figures, docstrings.
 
 `draw_NAME(axes, results)` draws on given Axes, without a title; `plot_NAME(results)` returns a
 figure with title and margins. A picture shows all torques, the largest one, or that at a position.

@@ -40,7 +40,7 @@ SHOWN_DIGITS = 16
 def write_report(
     results: Result | Sequence[Result], scene: SceneLike, path: str | Path, *, line: str = ""
 ) -> None:
-    """Write the report of a scene, as of `report_html`: completely or not at all.
+    """Write the report of a scene, as for `report_html`: completely or not at all.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def report_html(
     results : Result, or sequence of Result
         Of `solve`, or one per torque.
     scene : Scene, typed pair, path or mapping
-        The scene that was solved, as of `solve`.
+        The scene that was solved, as for `solve`.
     line : str
         Command line that repeats the run; absent = `flankload report` of the scene's file.
     day : date, optional

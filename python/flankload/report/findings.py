@@ -1,4 +1,4 @@
-"""What a reader has to know before the numbers: violated premises, warnings, certificates."""
+"""Findings that precede the numbers: violated premises, warnings, certificates."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ OF_SEVERAL = ("transmission_error_peak_to_peak_um",)
 
 @dataclass(frozen=True)
 class Cell:
-    """A number of a table: with all digits (text where it is no number) and as printed.
+    """A number of a table: with all digits (text where it is not a number) and as printed.
 
     `error` is its estimated relative error, `note` the text behind it: where and on which pair.
     """
@@ -185,7 +185,7 @@ def _number(
 ) -> Cell | None:
     """Cell of an entry of the summary; `place` is the prefix of its position and pair.
 
-    Of a list, the number of the entry is `of`, from 1.
+    In a list, `of` is the number of the entry, from 1.
     """
     value = result.summary.get(key)
     if of and value is not None:

@@ -230,11 +230,11 @@ def load_shape(
     Parameters
     ----------
     table : PairTable
-        Of position p.
+        Contact pairs of position p.
     s : int
         Index of the site, which carries load.
     scales : (float, float)
-        As of `scales_of`.
+        As for `scales_of`.
     size_mm : float
         Of the picture.
     """

@@ -76,7 +76,7 @@ class ResultForms(Card, TorqueAxis):
     ) -> str:
         """Return the result as CSV, a row per torque and position; write it to `path`.
 
-        Options as of `CsvForm`.
+        Options as for `CsvForm`.
         """
         return results_to_csv(self.by_torque, path, CsvForm(separator, decimal_comma, degrees))
 

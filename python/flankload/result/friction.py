@@ -115,7 +115,7 @@ def friction_result(
     over_period : callable
         Integral of a quantity (P,) over one period, None if it is unknown.
     tilt : (2,) array or None
-        Of splines in three dimensions: displacement of the hub's axis per length along z.
+        For splines in three dimensions: displacement of the hub's axis per length along z.
     """
     n, position = speeds.shape[1], pairs["position"]
     force, friction = pairs["force"], pairs["force"] * pairs["friction"]

@@ -35,7 +35,7 @@ ARRAYS: Mapping[str, tuple[str, type]] = {
     "follower_angle_rad": ("P", float),
     "unloaded_rotation_rad": ("P", float),
 }
-#: Those that may be None.
+#: Arrays that may be None.
 OPTIONAL_ARRAYS = ("follower_angle_rad", "unloaded_rotation_rad")
 
 
@@ -189,8 +189,8 @@ class LoadedPositions(PairPositions):
     def potential_pairs(self) -> Numbers:
         """(P,) Number of pairs that could carry load.
 
-        Those between the ends of the geometric path of contact, and those whose flanks would touch
-        if they were rigid (their gap without load is less than the rotation, so that the core
+        Pairs between the ends of the geometric path of contact, and pairs whose rigid flanks would
+        touch (their gap without load is less than the rotation, so that the core
         places cells on them).
         """
         path = None if self.geometry is None else self.geometry.path_pitches
@@ -281,7 +281,7 @@ class LoadedPositions(PairPositions):
     def pairs(self, p: int) -> PairTable:
         """Contact pairs of position p: radius, force, pressure, gap and place.
 
-        Of a list of torques a tuple with a table for each.
+        For a list of torques, a tuple with a table for each.
         """
         tables = tuple(one.pair_tables[p] for one in self.by_torque)
         return tables if self.has_torque_list else tables[0]  # type: ignore[return-value]

@@ -59,7 +59,7 @@ class RootReading:
         dimensions as in `RootResponse`.
     mode_range_mm : (float, float)
     tip : Tip or None
-        Where modes of a tip end; n_modes counts them.
+        End of the modes of a tip; these are included in n_modes.
     face_width_mm : float
     nodes : (n_modes,) array, optional
         Arc lengths of nodes that carry unit forces instead of modes, mm.
@@ -241,12 +241,7 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
     places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
     if reading.over_width is not None:
         assert table.z_mm is not None
-        if reading.spread is None:
-            at = places, table.cell_mm, table.z_mm
-            values = modes_on_slices(at, span, tip, reading.n_modes, reading.over_width)
-        else:
-            along = reading.over_width.modes_at(table.z_mm)
-            values = np.einsum("a,nb->nab", reading.spread, along).reshape(len(along), -1)
+        values = modes_on_slices(reading, places, table.cell_mm, table.z_mm)
     elif reading.nodes is not None:
         values = linear_shapes(places, reading.nodes) / reading.face_width_mm
     else:
@@ -269,25 +264,22 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
     return loads
 
 
-def modes_on_slices(
-    cells: tuple[Floats, Floats, Floats],
-    span: tuple[float, float],
-    tip: Tip | None,
-    n_modes: int,
-    over_width: OverWidth,
-) -> Floats:
+def modes_on_slices(reading: RootReading, places: Floats, cells_mm: Floats, z_mm: Floats) -> Floats:
     """Means (n, p) of the modes over cells of slices, along the profile and the axis.
 
-    `cells`: places (n,) along the profile, lengths (n,) there, and middles (n,) of the slices;
-    `span`: range of the modes along the profile, of which there are `n_modes`.
+    The cells are at the places (n,) along the profile and in the slices with the middles z_mm (n,).
     """
-    places, lengths_mm, z_mm = cells
+    assert reading.over_width is not None
+    along = reading.over_width.modes_at(z_mm)
+    if reading.spread is not None:
+        return np.asarray(np.einsum("a,nb->nab", reading.spread, along).reshape(len(along), -1))
     points, weights = leggauss(CELL_POINTS)
-    s = places[:, None] + 0.5 * lengths_mm[:, None] * points
-    within = np.clip(s, span[0], span[1] if tip is None else tip.end_mm)
-    values = mode_values(within.ravel(), span, n_modes, tip=tip)
-    values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, n_modes))
-    along = over_width.modes_at(z_mm)
+    low, high = reading.mode_range_mm
+    tip = reading.tip
+    s = places[:, None] + 0.5 * cells_mm[:, None] * points
+    within = np.clip(s, low, high if tip is None else tip.end_mm)
+    values = mode_values(within.ravel(), (low, high), reading.n_modes, tip=tip)
+    values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, reading.n_modes))
     count = values.shape[1] * along.shape[1]
     return np.asarray(np.einsum("na,nb->nab", values, along).reshape(len(values), count))
 
@@ -307,7 +299,7 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
 
 
 def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
-    """Of extremes (P, S, J) those of the slice with the largest sign * stress."""
+    """Extremes (P, S) of the slice with the largest sign * stress, from those (P, S, J)."""
     at = (sign * found.stress_MPa).argmax(axis=2)
     arrays = [
         np.take_along_axis(getattr(found, name), at[..., None], axis=2)[..., 0]

@@ -83,7 +83,7 @@ class SliceLoads(KeepsReadOnly, Card):
     def relative_line_load(self) -> Floats:
         """(P, J) Mean line load summed over all flanks, divided by its mean over the face width.
 
-        Of a spline (P, S, J), the line load of each tooth, divided by the mean of all teeth. 1 at
+        For a spline (P, S, J): line load of each tooth, divided by the mean of all teeth. 1 at
         positions without load.
         """
         return frozen(
@@ -252,7 +252,7 @@ def relative_line_loads(
     length_mm : float
         Length over which line loads are means.
     each : bool
-        Of single flanks, divided by the mean of all of them, instead of sums over the flanks.
+        Line loads of single flanks, divided by the mean of all, instead of sums over the flanks.
 
     Returns
     -------

@@ -45,7 +45,7 @@ def results_to_xlsx(results: Result | Sequence[Result], path: str | Path) -> Non
     The sheet `summary` has the numbers of `Result.summary` and the estimated errors, a column per
     torque, then violated premises and warnings. Each further sheet is a quantity with its unit in
     the heads: a row per position, a column per torque, or per torque and pair (and slice). A cell
-    is empty if there is no number.
+    is empty if there is not a number.
 
     Raises
     ------

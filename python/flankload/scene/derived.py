@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from flankload.scene.scene import Scene, SceneFile
 
 DISTANCE, WIDTH = "pair.center_distance_mm", "pair.face_width_mm"
-#: That of the second mesh of a train.
+#: Key of the centre distance of the second mesh of a train.
 DISTANCE_2 = "train.center_distance_2_mm"
 #: Contact ratios between which one and two pairs are in contact in turn.
 ONE_PAIR, TWO_PAIRS = 1.0, 2.0

@@ -136,14 +136,14 @@ class GearPair(FlankPair, frozen=True):
 
 
 class Spline(FlankPair, frozen=True):
-    """A splined shaft in its hub; keys as of `GearPair`."""
+    """A splined shaft in its hub; keys as for `GearPair`."""
 
     body_1: SplineShaft
     body_2: SplineHub
 
 
 class CamAndFollower(FlankPair, frozen=True):
-    """A follower, which carries the torque, on its cam; keys as of `GearPair`."""
+    """A follower, which carries the torque, on its cam; keys as for `GearPair`."""
 
     body_1: Follower
     body_2: Cam

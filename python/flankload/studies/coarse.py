@@ -52,7 +52,7 @@ def _coarser(name: str, value: float, element_mm: float | None) -> float:
 
 
 def few_positions(positions: Positions, most: int = POSITIONS) -> Positions:
-    """At most so many of the positions, evenly spaced, the first among them; none adaptive."""
+    """A limited number of evenly spaced positions, including the first; none adaptive."""
     if positions.angles_deg is not None:
         every = max(1, -(-len(positions.angles_deg) // most))
         return structs.replace(positions, angles_deg=positions.angles_deg[::every])

@@ -47,9 +47,9 @@ class Prepared:
         Parameters
         ----------
         changes : mapping of str to object, optional
-            As of `Scene.replace`, as are its errors.
+            As for `Scene.replace`, as are its errors.
         progress : callable, optional
-            As of `solve`, as are its errors.
+            As for `solve`, as are its errors.
 
         Returns
         -------
@@ -113,7 +113,7 @@ def _solve_chosen(
 ) -> tuple[Result, ...]:
     """Solve a scene once; the effects that it leaves to the plan are chosen before.
 
-    Slices of contacts that are short along the axis may have no state; cells have one then.
+    In slices, contacts that are short along the axis may have no state; cells are then used.
     """
     stages: dict[str, Account] = {}
     notes: tuple[str, ...] = ()

@@ -173,7 +173,7 @@ def sensitivity(
     Parameters
     ----------
     scene : Scene
-        Of two bodies with flanks; without `accuracy.tolerance` and `effects.choose`.
+        Two bodies with flanks, without `accuracy.tolerance` and `effects.choose`.
     paths : sequence of str
         Keys with numbers, as in `Scene.replace`. Those of bodies that reach their elements are
         differentiated by elements that are solved anew.
@@ -183,7 +183,7 @@ def sensitivity(
         Whether states that must be solved completely are solved on one side only, which halves
         their number: the error of a derivative is then the step, 1e-4, instead of its square.
     progress : callable, optional
-        As of `flankload.solve`, called by each run.
+        As for `flankload.solve`, called by each run.
 
     Returns
     -------

@@ -46,8 +46,8 @@ AIM = 0.9
 PATIENCE = 4.0
 #: Number of adaptive positions per pitch in the first round, and the largest one.
 POSITIONS, MOST_POSITIONS = 16, 128
-#: Their uncertainty of harmonics and peak to peak, as parts of these: in tolerances, since a
-#: tolerance applies to parts of the whole; within a range in which curves have no coarser error.
+#: Relative uncertainty that they may leave in harmonics and peak to peak, over the tolerance, which
+#: refers to the whole transmission error; and its limits.
 DOUBT, LEAST_DOUBT, MOST_DOUBT = 3.0, 1e-5, 0.03
 
 
@@ -182,9 +182,9 @@ def finer_positions(
 ) -> tuple[NamedDiscretization, Errors]:
     """Adaptive positions whose errors are likely to be small enough, and these errors by quantity.
 
-    That of the peak to peak is proportional to the tolerance of the positions; the others belong to
-    kinks that the rotation does not have, and go with the square of the distance of the positions
-    with which the rounds begin.
+    The error of the peak to peak is proportional to the tolerance of the positions. The others are
+    caused by kinks that the rotation does not have; they are proportional to the square of the
+    distance of the initial positions.
     """
     left, count, adaptive = dict(errors), positions.count, positions.adaptive
     assert count is not None

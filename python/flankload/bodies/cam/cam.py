@@ -74,7 +74,7 @@ class CamProfile:
 def build_cam(
     spec: Cam, key: str, *, folder: Path, flank_element_mm: float | None, fineness: float
 ) -> Body:
-    """Build a cam, checked; parameters as of `build_body`.
+    """Build a cam, checked; parameters as for `build_body`.
 
     `fineness`: number of elements along the profile over the default, without `flank_element_mm`.
     """

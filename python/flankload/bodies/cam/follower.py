@@ -31,7 +31,7 @@ FLAT_MODES_PER_WIDTH = 0.5
 def build_follower(
     spec: Follower, key: str, *, flank_element_mm: float | None, fineness: float
 ) -> Body:
-    """Build a follower; parameters as of `build_cam`."""
+    """Build a follower; parameters as for `build_cam`."""
     lever = lever_of(spec, key)
     head = lever.head
     if isinstance(head, Roller):

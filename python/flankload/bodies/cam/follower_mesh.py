@@ -83,7 +83,7 @@ def roller_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) ->
 
 
 def flat_mesh(lever: Lever, *, flank_element_mm: float, finer: float = 1.0) -> WholeMesh:
-    """Mesh a lever with a flat, which is the flank; parameters as of `roller_mesh`."""
+    """Mesh a lever with a flat, which is the flank; parameters as for `roller_mesh`."""
     low, high = lever.arm_mm
     start, end = lever.head.ends_mm  # type: ignore[union-attr]
     width, inner = high - low, INNER_RATIO * flank_element_mm

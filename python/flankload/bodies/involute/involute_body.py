@@ -34,7 +34,7 @@ def build_involute_body(
     """Build a body with involute teeth, held at its bore or at the outside of its rim.
 
     The reference radius of a spline is its pitch radius, that of other bodies the base radius.
-    Parameters as of `build_body`; `regions`: those of a gear below its rim, outermost first.
+    Parameters as for `build_body`; `regions`: those of a gear below its rim, outermost first.
 
     Raises
     ------

@@ -67,7 +67,7 @@ class InvertedCurve:
 
 @dataclass(frozen=True)
 class InvertedTooth:
-    """Image of a ring's tooth under the inversion; attributes as of `ToothProfile`."""
+    """Image of a ring's tooth under the inversion; attributes as for `ToothProfile`."""
 
     curve: InvertedCurve
     teeth: int

@@ -323,7 +323,7 @@ class BodyCompliance:
             Sites that a load on another one does not displace; if some are on opposite flanks, all
             are.
         block : (S, S) array
-            As of `blocks_of_sites`.
+            As for `blocks_of_sites`.
         """
         z, coast = len(self.smooth), self.coast
         if coast is not None and bool(np.all((block[apart] >= z) & (block[apart] < 3 * z))):

@@ -58,7 +58,7 @@ class JobOptions:
         half the number of flank elements. Ignored with `nodal`.
     plane : {"strain", "stress"}
     friction : bool
-        As many tangential loads as normal ones are solved.
+        Tangential loads are solved as well, as many as normal ones.
     along : bool
         Tangential displacements under these loads are returned.
     nodal : bool
@@ -118,8 +118,8 @@ def flank_compliance(
     Raises
     ------
     SceneError
-        Of a prism: if the load degree exceeds the axial degree less 4, an edge between flank and
-        end face is sharper than 50 degrees, or the mesh is that of a whole body.
+        For a prism: if the load degree exceeds the axial degree minus 4, an edge between flank
+        and end face is sharper than 50 degrees, or the mesh is that of a whole body.
     """
     options.extent.check(body)
     if body.rigid or body.mesh is None:
@@ -245,7 +245,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
 def _fe_error(job: Job, options: JobOptions, found: Response) -> Floats | None:
     """Estimated error of the elements as `BodyCompliance.fe_error`; None without an estimate.
 
-    That of a prism comes from a job for one tooth of its section, in plane strain.
+    For a prism, the error comes from a job for one tooth of its section, in plane strain.
     """
     log, loads, q = job.log, job.loads, found.response.shape[2]
     if log.errors:
@@ -267,8 +267,8 @@ def _degree_error(
 ) -> Floats:
     """Change of the response of a flank to its own loads by the last degrees along the axis.
 
-    Of a body whose widths jump: there displacements converge slowly in the degree, elsewhere their
-    error is below those of elements and modes.
+    Only for a body whose widths jump, where displacements converge slowly in the degree; elsewhere
+    this error is below those of elements and modes.
     """
     body, prism, log = job.body, options.prism, job.log
     assert prism is not None

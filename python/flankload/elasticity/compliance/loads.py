@@ -190,7 +190,7 @@ class ModeLoads(FlankLoads):
         response[:] = self.between(response)
 
     def along_near(self) -> Floats | None:
-        """That of loads along the profile."""
+        """Near field of loads along the profile."""
         return self.between(self._near.along[None])[0] if self.friction else None
 
     def from_section(self, fe_error: Floats) -> Floats:

@@ -38,7 +38,7 @@ class Job:
     Attributes
     ----------
     section : SectionStiffness
-        That of its mesh.
+        Stiffness of its mesh.
     readings : callable
         Index of a flank -> further readings of the displacements by counter: columns (N, u, r), and
         how many of them count as one.
@@ -133,7 +133,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
 
 
 def of_sector(job: Job, mesh: SectorMesh, sectors: int | None) -> Response:
-    """Response of a body of equal sectors; `sectors`: as of `teeth_response`."""
+    """Response of a body of equal sectors; `sectors`: as for `teeth_response`."""
     log, held, section = job.log, sectors == 1, job.section
     own = job.loads.columns(mesh)
     q, tooth, loads = own.shape[2], 0, [own]
@@ -142,7 +142,8 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None) -> Response:
         loads.append(images)
         log.account.count(coast_readings=q, fe_solutions=q)
     if job.rim:
-        loads.append(rim_forces(mesh, section, job.loads.modes.axial.degree))
+        forces, _ = rim_forces(mesh)
+        loads.append(forces.reshape(section.nodes, section.unknowns, -1))
     flanks = q + (loads[-1].shape[2] if job.rim else 0)
     count = sum(part.shape[2] for part in loads)
     if job.bore is not None:
@@ -201,12 +202,13 @@ def _rim(job: Job, mesh: SectorMesh, response: Floats, loads: list[Floats]) -> R
     """Displacements of a rim from the response to loads on the flank, then the forces on it."""
     modes, n = job.loads, job.loads.count
     rim = slice(loads[0].shape[2], loads[0].shape[2] + loads[1].shape[2])
-    moments, forces = (resultants(mesh.nodes, job.section, part) for part in loads[:2])
+    moments, forces = (resultants(mesh.nodes, _by_unknown(part)) for part in loads[:2])
     return RimResponse(
         by_modes=modes.by_coefficients(response[:, rim, :n]),
         by_forces=response[:, rim, rim],
         modes=modes.by_coefficients(moments[None, :, :n])[0],
         forces=forces,
+        middle_rad=rim_forces(mesh)[1],
     )
 
 

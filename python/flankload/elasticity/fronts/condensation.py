@@ -92,7 +92,7 @@ def condense_in_order(
     account: Account | None = None,
     recovery: Recovery | None = None,
 ) -> CondensedSector:
-    """Condense nodes in a given order; other arguments as of `condense_nodes`.
+    """Condense nodes in a given order; other arguments as for `condense_nodes`.
 
     `turn`: reflection of the unknowns of a node, for a symmetric mesh.
     """

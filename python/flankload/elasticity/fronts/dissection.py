@@ -57,7 +57,7 @@ class Dissection:
     inner : int
         Number of nodes that are eliminated.
     images : (N,) array or None
-        Of a symmetric mesh, whose second half is not in the order: `mirror.images_of`. The last
+        For a symmetric mesh, whose second half is not in the order: `mirror.images_of`. The last
         front has the nodes on the axis; its only part is the last front of the first half.
     """
 
@@ -102,7 +102,7 @@ def dissect(
     unknowns : int
         Number of unknowns of a node.
     images : (N,) array, optional
-        Of a symmetric mesh: `Dissection.images`.
+        For a symmetric mesh: `Dissection.images`.
     """
     leaf = max(LEAF_NODES, LEAF_UNKNOWNS // unknowns)
     sizes = np.concatenate([np.full(len(part), part.shape[1]) for part in cells])
@@ -157,8 +157,8 @@ def _bisected(
 ) -> tuple[Numbers, list[Flags]]:
     """Nodes that both halves share, and the pairs of each half without them.
 
-    Of some lines, the one with the least ratio cut: shared nodes over the product of both parts. No
-    halves if all elements are in one place. `nodes` is the number of nodes of the mesh.
+    Several lines are tried; the best has the least ratio cut, shared nodes over the product of both
+    parts. No halves if all elements are in one place. `nodes` is the number of nodes of the mesh.
     """
     elements = np.flatnonzero(_among(element, len(middles)))
     last, least = elements.size - 1, np.inf

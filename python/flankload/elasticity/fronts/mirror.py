@@ -78,7 +78,7 @@ def reflection(mesh: SectorMesh, functions: int, components: int, *, twisted: bo
 def line_of(
     mesh: SectorMesh, functions: int, components: int, *, twisted: bool
 ) -> tuple[float, Floats]:
-    """Polar angle of the left cut of a symmetric sector, and signs as of `CondensedSector.line`."""
+    """Polar angle of the left cut of a symmetric sector, and signs of `CondensedSector.line`."""
     turn = float(np.arctan2(*mesh.nodes[mesh.left_nodes].sum(axis=0)[::-1]))
     sign = -1.0 if twisted else 1.0
     return turn, np.kron(sign ** np.arange(functions), np.array([1.0, -1.0, sign])[:components])

@@ -19,7 +19,7 @@ class Problem:
     Attributes
     ----------
     unknowns, of_kept : (n,), (m,) arrays
-        Those of an inner node, and the first of these, those of a kept node.
+        Unknowns of an inner node; the first of these, which a kept node has.
     columns : (k,) array
         Columns of loads that are not 0.
     loads : (N, u, r) array

@@ -88,7 +88,7 @@ def projected_tangential(
 ) -> Floats:
     """<P, near field P> for normal displacements (rows) under loads along the profile, (p, p).
 
-    Arguments as of `projected_potential`, with `kernel` c0 = 2 k and `jump` j, mm²/N. With area
+    Arguments as for `projected_potential`, with `kernel` c0 = 2 k and `jump` j, mm²/N. With area
     elements ds dz/cos(beta), mm⁵/N.
     """
     rule = _Rule(surface, n_modes, degree_z, finer)

@@ -124,7 +124,7 @@ class FlexibleBore:
         Returns
         -------
         (z, r, p) array
-            As of `sector_closure.close_ring`.
+            As for `sector_closure.close_ring`.
         """
         size, loads = len(self.stiffness), sector.local[0].shape[1]
         count = loads - size - len(self.ends)

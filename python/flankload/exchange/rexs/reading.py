@@ -158,8 +158,8 @@ class Form:
     def model(self, root: Tree) -> Model:
         """The checked model.
 
-        Refused: a part without its type or with an id that is no integer, a version other than 1,
-        an id that is used twice or refers to no component.
+        Refused: a part without its type or with an id that is not an integer, a version other
+        than 1, an id that is used twice or refers to no component.
         """
         spectrum = root.get("load_spectrum") or []
         cases = [
@@ -186,7 +186,7 @@ class Form:
         return model
 
     def _id(self, value: object, what: str) -> int:
-        """An id; refused if it is no integer."""
+        """An id; refused if it is not an integer."""
         number = value if isinstance(value, int) and not isinstance(value, bool) else None
         if isinstance(value, str) and re.fullmatch(r"\s*[+-]?[0-9]{1,18}\s*", value):
             number = int(value)

@@ -32,7 +32,7 @@ class Source:
     def number(self, attribute: str, unit: str) -> float | None:
         """A number in the unit of a scene; None if the file has no such attribute.
 
-        A value that is no finite number, or has a unit of another quantity, is refused.
+        A value that is not a finite number, or has a unit of another quantity, is refused.
         """
         found = self.component.attributes.get(attribute)
         if found is None:

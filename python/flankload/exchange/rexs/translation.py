@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Choices:
-    """What the user determines beside the file: ids of stage and load case (None: the only one).
+    """Choices of the user beside the file: ids of stage and load case (None: the only one).
 
     `flank`, "left" or "right", is the loaded flank of the gears for which the file does not define
     it; `settings` are keys of the scene by path, which replace those of the file.

@@ -170,8 +170,8 @@ def touches_of(
 ) -> tuple[list[Touch], int]:
     """Shape functions of a belt on its pulley as combinations of r unit forces, and their number.
 
-    Those of flanks, of lands, and along the lands if these slide: ordered as the pairs, then as
-    `response.land`, then as `response.land` again.
+    The functions belong to flanks, to lands and, if these slide, to loads along the lands; they are
+    ordered as the pairs, then as `response.land`, then as `response.land` again.
     """
     pitch, sliding = strip.pitch_rad, Kind.SLIDING in response.by
     touches, count = [], 0

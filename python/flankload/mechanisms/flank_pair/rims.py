@@ -44,7 +44,7 @@ class Rim:
     ratio : float
         Thickness over the tooth height, of a ring over the normal module.
     unit : str
-        What the ratio counts.
+        Name of the unit of the ratio.
     enough, least : float
         Limits of the ratio (`LEAST_RIMS`).
     held_at, support : str

@@ -266,7 +266,7 @@ def _lumped_errors(
     slices, contact = found[-1].slices, states.contact
     if not (slices.plane or slices.conforming):
         with suppress(ContactError):  # then from measurements
-            # an account of its own: how many cells these are, no plan knows
+            # a separate account, since no plan predicts the number of these cells
             cells = sweep(
                 replace(contact, level="pairs", grid=FEW_CELLS),
                 states.position_rad[at],

@@ -57,7 +57,7 @@ def accuracy(
     Parameters
     ----------
     scene : Scene, path or mapping
-        As of `solve`.
+        As for `solve`.
     quantities : sequence of str
         A subset of "transmission_error" (at each position, mean, peak to peak), "load_share",
         "peak_pressure" (off sharp corners) and "stiffness".

@@ -72,7 +72,7 @@ def read_answers(path: Path) -> Answers:
 
 
 def _check_numbers(path: Path, found: Any) -> None:
-    """Refuse a value that is no number, by its case and identifier."""
+    """Refuse a value that is not a number, by its case and identifier."""
     cases = found.get("values") if isinstance(found, dict) else None
     for name, values in cases.items() if isinstance(cases, dict) else ():
         for identifier, value in values.items() if isinstance(values, dict) else ():

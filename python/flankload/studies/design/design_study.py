@@ -43,7 +43,7 @@ class DesignStudy(Card):
     rows : tuple of Row
         One per design, in their order; failed ones included.
     scene_values : dict
-        By name of the variable: the value in the scene itself, None if it is no number.
+        By name of the variable: the value in the scene itself, None if it is not a number.
     has_torques : bool
         Whether the scene has a list of torques.
     settings : mapping

@@ -56,7 +56,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What is kept of a run: "solved", "failed" or "aborted", its seconds, why it has no solution.
+    """Stored outcome of a run: "solved", "failed" or "aborted", its seconds, reason of a failure.
 
     `results` has for each torque `torque_Nm`, `quantities` (the summary, and curves that were
     wanted) and `estimate` (estimated relative errors); `unknown` are wanted quantities that the
@@ -107,10 +107,10 @@ def run_task(task: Task, stopped: Event | None = None) -> Outcome:
 
 
 def _outcome_of(results: Sequence[Result], task: Task) -> Outcome:
-    """What is kept of the results of a design, one per torque."""
+    """Stored part of the results of a design, one per torque."""
     rows = tuple(row_of(one, task.names, whole=task.whole) for one in results)
     known = {name for row in rows for name in row["quantities"]}
-    for row in rows:  # a missing quantity is stored as such, so that it is not sought again
+    for row in rows:  # a missing quantity is stored as such, so that it is not searched for again
         row["quantities"] |= {n: None for n in task.names if n not in row["quantities"]}
     unknown = tuple(name for name in task.names if name not in known)
     return Outcome(SOLVED, results=rows, unknown=unknown)

@@ -58,7 +58,7 @@ def study(
     Parameters
     ----------
     scene : Scene, path or mapping
-        As of `solve`.
+        As for `solve`.
     variables : mapping
         By path of a key as in `Scene.replace` (several paths, separated by commas, have the same
         value): a list of values, or a distribution: {"distribution": "normal", "mean": 0,
@@ -92,7 +92,7 @@ def study(
     ------
     SceneError
         Before anything is solved, if the study contradicts itself, the first design or one at the
-        end of a bounded distribution is no scene, or the store is another file; after the first
+        end of a bounded distribution is not a scene, or the store is another file; after the first
         run, if it does not have a quantity.
     FlankloadError, KeyboardInterrupt
         If a worker is lost, after Ctrl-C; finished runs are in the store.
@@ -113,7 +113,7 @@ def run_study(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> DesignStudy:
-    """Solve given designs as `study` does, with progress as of `run_designs`.
+    """Solve given designs as `study` does, with progress as for `run_designs`.
 
     If no design has error estimates, the best ones are solved again with these.
     """
@@ -142,7 +142,7 @@ def checked(
 ) -> tuple[Designs, tuple[str, ...]]:
     """Designs with the distributions of a scene, and names of quantities, once each.
 
-    Raises SceneError if the study contradicts itself or its first design is no scene.
+    Raises SceneError if the study contradicts itself or its first design is not a scene.
     """
     designs.check()
     designs = designs.in_scene(scene)
@@ -185,7 +185,7 @@ Names = Annotated[tuple[Text, ...], Meta(min_length=1)]
 
 
 class StudyKeys(Table, frozen=True, kw_only=True):
-    """Keys of a study file beside its tables [variables] and [changes], as of `study`.
+    """Keys of a study file beside its tables [variables] and [changes], as for `study`.
 
     The paths of the scene and the store are relative to the folder of the study; the store is by
     default the name of the study file with the suffix .sqlite.

@@ -54,7 +54,7 @@ def key_of(scene: Scene) -> str:
 
 
 def key_of_refused(scene: Scene, changes: Mapping[str, Any]) -> str:
-    """Key of a design that is no scene, so that it has no digest of its own."""
+    """Key of a design that is not a scene, so that it has no digest of its own."""
     text = json.dumps(dict(changes), sort_keys=True, default=repr)
     return digest_of((key_of(scene), text)).hex()
 

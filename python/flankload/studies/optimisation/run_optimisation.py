@@ -46,9 +46,9 @@ def optimise(
     Parameters
     ----------
     scene : Scene, path or mapping
-        As of `solve`.
+        As for `solve`.
     variables : sequence of mappings
-        Each with `paths` (one or several, as of `Scene.replace`) and their `factors`, `lower`,
+        Each with `paths` (one or several, as for `Scene.replace`) and their `factors`, `lower`,
         `upper`, `start` (default: the value of the scene) and `step` (the value ends as a multiple
         of it).
     objective : str or mapping
@@ -97,7 +97,8 @@ def optimise(
 def search_scene(scene: Scene, quantities: Sequence[str]) -> tuple[Scene, dict[str, Any]]:
     """The scene of the search for these quantities, and the keys by which it differs.
 
-    What the quantities do not need is left out, and the discretization and the positions are fixed.
+    Computations that the quantities do not need are left out; discretization and positions are
+    fixed.
 
     Raises SceneError if the scene leaves the choice of its effects to the plan.
     """

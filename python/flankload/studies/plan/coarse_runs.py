@@ -235,7 +235,7 @@ def _values(scene: Scene, parts: Parts | None) -> Values:
 
 
 def _spent_on(name: str, own: Mapping[str, Any], base: Mapping[str, Any]) -> Mapping[str, Any]:
-    """What a coarse run spent on a stage: on its own elements, on the states of the scene."""
+    """Cost of a coarse run in a stage: for its own elements, for the states of the scene."""
     if not name.startswith(ELEMENTS):
         found: Mapping[str, Any] = base.get(name, base["sweep"])
         return found

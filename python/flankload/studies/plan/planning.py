@@ -35,7 +35,7 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
     Parameters
     ----------
     scene : Scene, path or mapping
-        As of `solve`.
+        As for `solve`.
     levels : bool
         Whether to include size and cost of contact models that are off. Without them the plan takes
         at most about half the time of most runs.

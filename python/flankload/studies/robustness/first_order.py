@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from flankload.studies.variables import Variable
 
 
-#: Deviation of one tooth in um where the mean has equal teeth. Samples have none, so that key
-#: figures are defined over another period: the mean shall have the same.
+#: Deviation of one tooth, um, if the mean has equal teeth. Samples have different teeth, so their
+#: key figures refer to another period; with this deviation the mean has the same period.
 UNEVEN_UM = 1e-9
 
 
@@ -151,7 +151,7 @@ def _mean(variable: Variable) -> Any:
 def _loads(variable: Variable, sites: set[int]) -> tuple[list[str], Floats]:
     """Paths (p) of numbers, and their deviations (p, m) per independent standard number.
 
-    Of a list these are the entries of the teeth that carry load; the tooth of pair j has entry -j.
+    For a list, these are the entries of teeth that carry load; the tooth of pair j has entry -j.
     """
     distribution = variable.distribution
     if not isinstance(distribution, JointNormal):

@@ -181,9 +181,9 @@ def robust(
     Parameters
     ----------
     scene : Scene, path, mapping or Prepared
-        As of `solve`. A prepared scene lends its bodies and compliances to the first order.
+        As for `solve`. A prepared scene lends its bodies and compliances to the first order.
     variables : mapping
-        Distributions as of `study`; independent of each other.
+        Distributions as for `study`; independent of each other.
     quantities : sequence of str
         Names in `Result.summary` or arrays over the positions. Estimates and tangents that none
         needs are left out, unless the scene has `accuracy.estimate` or `accuracy.tangents`.
@@ -193,7 +193,7 @@ def robust(
     design : str
         "random" or "sobol". The sampling errors are those of random designs.
     store, executor
-        As of `study`.
+        As for `study`.
 
     Returns
     -------
@@ -264,5 +264,5 @@ def _missed(linear: FirstOrder, samples: Samples) -> tuple[float, float] | None:
 
 
 def _noise(linear: FirstOrder) -> Any:
-    """Rounding of the values: no scatter at all is no failure."""
+    """Rounding error of the values, so that a quantity without scatter is no failure."""
     return 1e-9 * np.abs(linear.mean)

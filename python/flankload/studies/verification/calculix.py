@@ -27,7 +27,7 @@ JOB = "deck"
 #: Input and output files of CalculiX, and the log.
 SUFFIXES = (".inp", ".dat", ".sta", ".frd", ".cvg", ".12d", ".log")
 PACKAGE = "calculix-ccx"
-#: Seconds between two looks at its progress.
+#: Seconds between two readings of its progress.
 POLL_S = 0.2
 #: Headings of the forces of a contact pair.
 TOTAL = "moment about the origin (mx,my,mz)"

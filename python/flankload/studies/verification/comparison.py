@@ -65,7 +65,7 @@ def verify(
     Parameters
     ----------
     scene : Scene, path or mapping
-        As of `solve`; the largest of a list of torques is used.
+        As for `solve`; the largest of a list of torques is used.
     position : int
         Index into the scene's positions.
     folder : path, optional
