@@ -1052,7 +1052,7 @@ _PYTHON = (
     *_in(
         "result/root_stress.py",
         "physics/test_roots_over_width.py",
-        ("values.reshape(*s.shape, reading.n_modes)", "values.reshape(*s.shape, -1)"),
+        ("values.reshape(*s.shape, n_modes)", "values.reshape(*s.shape, -1)"),
     ),
 )
 

@@ -114,7 +114,13 @@ def _columns(table):
     return (getattr(table, name) for name in names)
 
 
-@pytest.mark.parametrize("tilting", [{}, TILTING])
+@pytest.mark.parametrize(
+    "tilting",
+    [
+        {},
+        {**TILTING, "ring_support": "bolts", "bolts": 9, "bolt_stiffness_N_per_um": 100},
+    ],
+)
 def test_planets_in_phase_are_alike(tilting):
     """Symmetric: equal shares, line loads and tilts, turned from planet to planet."""
     per = 1 / np.cos(np.radians(15.0))
@@ -269,12 +275,12 @@ def test_loads_on_coast_flanks_bend_roots_in_the_mirror_image(helix_deg):
     """A straight body is its mirror image; half a turn about a tooth reverses a helix along z."""
     scene = fl.Scene.from_dict(wide(helix_deg, **ROOTS))
     _, compliances = compliances_of(scene, assemble(scene), StageClock(None, NAMES, 1, {}), {})
-    for own in compliances[1:]:
-        found, image = own.root.response, own.root.in_mirror_image().response
-        functions, modes = np.ogrid[: found.shape[2], : found.shape[3]]
-        sign = (-1.0) ** (functions + modes % own.modes_per_place) if helix_deg else 1.0
-        size = np.abs(found).max()
-        np.testing.assert_allclose(image, sign * found, rtol=0, atol=1e-11 * size)
+    own = compliances[1]
+    found, image = own.root.response, own.root.in_mirror_image().response
+    functions, modes = np.ogrid[: found.shape[2], : found.shape[3]]
+    sign = (-1.0) ** (functions + modes % own.modes_per_place) if helix_deg else 1.0
+    size = np.abs(found).max()
+    np.testing.assert_allclose(image, sign * found, rtol=0, atol=1e-11 * size)
 
 
 def test_root_stress_of_planets_over_their_width():
@@ -339,10 +345,32 @@ def test_a_free_rim_over_its_width():
     ]
     assert bounds[0] < found.transmission_error_um[0] < bounds[1]
     assert bounds[0] > 2 * stage(0.0).transmission_error_um[0]
-    assert np.isnan(found.ring_deflection_um).all()
-    assert found.summary["ring_deflection_max_um"] is None
+    deflection = found.ring_deflection_um[0]
+    # under three planets it is pushed outwards, between them inwards, without a motion of its own
+    assert deflection[0] > 0.0 > deflection[10]
+    turns = np.exp(2j * np.pi * np.arange(59) / 59)
+    assert abs(turns @ deflection) < 1e-2 * np.abs(deflection).sum()
     helical = stage(**free)
     np.testing.assert_allclose(helical.ring_torque_Nm, 450 * 59 / 25, rtol=LEVERS)
+
+
+def test_bolts_of_a_ring_with_width():
+    """Soft equal ones move by the force on the ring; stiff ones of a spur ring are a clamp."""
+    keys = {"floating": "none", "pin_tangential_errors_um": [20, 0, 0], "ring_support": "bolts"}
+    for helix in (0.0, 15.0):
+        soft = {"bolts": 59, "bolt_stiffness_N_per_um": 10}
+        found = stage(helix, stage={**keys, **soft})
+        on_ring = (found.planet_force_N - found.pin_force_N).sum(axis=1)
+        # forces are projected onto the pressure modes, bolts onto polynomials
+        largest = np.abs(found.planet_force_N).max()
+        np.testing.assert_allclose(590 * found.ring_orbit_um, on_ring, atol=1e-3 * largest)
+        assert found.ring_deflection_um[0, 0] > 0.0
+    stiff = stage(0.0, stage={**keys, "bolts": 59, "bolt_stiffness_N_per_um": 1e8})
+    clamped = stage(0.0, stage={**keys, "ring_support": "clamped"})
+    # bolts hold the means of the sectors only
+    np.testing.assert_allclose(
+        stiff.transmission_error_um, clamped.transmission_error_um, rtol=0.02
+    )
 
 
 #: An elastic carrier whose webs twist.

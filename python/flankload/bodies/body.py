@@ -335,6 +335,11 @@ class Body(BodySites):
         without = {entry.name: getattr(none, entry.name) for entry in fields(BodySites)}
         return replace(body, **without, axial=body.axial.without_lead())
 
+    def in_mirror_image(self) -> Body:
+        """The body behind a mirror along the axis, in which coast flanks are working flanks."""
+        elements = None if self.elements is None else self.elements.in_mirror_image()
+        return replace(self, axial=self.axial.in_mirror_image(), elements=elements)
+
     @property
     def is_parametric(self) -> bool:
         """Whether the involute profile is defined by keys of a scene."""

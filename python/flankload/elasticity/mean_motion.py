@@ -25,6 +25,7 @@ from flankload.elasticity.condensed_sector import IN_PLANE
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats, Numbers
     from flankload.bodies.body import SectorMesh
+    from flankload.elasticity.axial_basis import AxialBasis
     from flankload.elasticity.finite_elements import SectionStiffness
 
 #: Gauss points along an edge, exact for straight ones with shape function and coordinate.
@@ -45,24 +46,21 @@ def bore_reactions(mesh: SectorMesh, section: SectionStiffness, young_modulus_MP
         return np.zeros((section.nodes, section.unknowns, 0))
     nodes, moments = _moments(mesh)
     radius = float(np.hypot(*mesh.nodes[mesh.bore_edges[0, 0]]))
-    bases, of_node = section.functions.of_nodes(nodes)
-    basis = bases[of_node[0]]  # the bore belongs to one region
-    low, high = basis.range_mm
-    points, weights = leggauss(basis.count + TURN_POINTS)
-    z, weights = 0.5 * (low + high + (high - low) * points), 0.5 * (high - low) * weights
-    fields = _motions(z, section.twist, radius, middle_mm=0.5 * (low + high))
+    basis = _basis_of_bore(section, nodes)
+    along = _along(basis, section, radius, middle_mm=0.5 * sum(basis.range_mm))
     if section.components == 2:
-        fields = fields[:, :, :2, IN_PLANE]
-    along = np.einsum("ga,g,gjcm->ajcm", basis.values(z), weights, fields)
+        along = along[:, :, :2, IN_PLANE]
     found = np.zeros((section.nodes, basis.count, *along.shape[2:]))
     found[nodes] = young_modulus_MPa / radius * np.einsum("kj,ajcm->kacm", moments, along)
     return found.reshape(section.nodes, section.unknowns, -1)
 
 
-def rim_forces(mesh: SectorMesh) -> tuple[Floats, float]:
-    """Nodal forces (2N, 2) of unit forces on the bore of a sector, and the angle of its middle.
+def rim_forces(mesh: SectorMesh, section: SectionStiffness, degree: int) -> Floats:
+    """Forces (N, u, 2 (degree + 1)) on the bore of a sector, by node and unknown.
 
-    They are spread evenly over it, along the radius through its middle and across it.
+    They are spread evenly around it, along the radius through its middle and across it, and over
+    the width as P_b(xi)/b, b = 0 ... degree: pairs for each polynomial. The evenly spread ones are
+    unit forces, the middle turns with the helix.
     """
     nodes, moments = _moments(mesh)
     x, y = mesh.nodes[nodes].T
@@ -71,17 +69,38 @@ def rim_forces(mesh: SectorMesh) -> tuple[Floats, float]:
     middle = float(first + 0.5 * (angles.min() + angles.max()))
     share = moments[:, 0] / moments[:, 0].sum()
     along = directions(np.array([middle, middle + 0.5 * np.pi]))
-    found = np.zeros((len(mesh.nodes), 2, 2))
-    found[nodes] = np.einsum("k,fc->kcf", share, along)
-    return found.reshape(-1, 2), middle
+    basis = _basis_of_bore(section, nodes)
+    over_width = basis.load_vectors(degree) / basis.width_mm
+    found = np.zeros((section.nodes, basis.count, section.components, degree + 1, 2))
+    found[nodes, :, :2] = np.einsum("k,ab,fc->kacbf", share, over_width, along)
+    return found.reshape(section.nodes, section.unknowns, -1)
 
 
-def resultants(nodes: Floats, forces: Floats) -> Floats:
-    """Resultants (3, n) of nodal forces (2N, n): along x and y, and about the axis."""
-    rigid = np.zeros((len(nodes), 2, 3))
-    rigid[:, 0, 0] = rigid[:, 1, 1] = 1.0
-    rigid[:, 0, 2], rigid[:, 1, 2] = -nodes[:, 1], nodes[:, 0]
-    return np.asarray(rigid.reshape(-1, 3).T @ forces)
+def resultants(nodes: Floats, section: SectionStiffness, forces: Floats) -> Floats:
+    """Resultants (3, n) of nodal forces (N, u, n): along x and y, and about the axis."""
+    bases, of_node = section.functions.of_nodes(np.arange(len(nodes)))
+    rigid = np.zeros((len(nodes), bases[0].count, section.components, 3))
+    factors = np.column_stack([np.ones(len(nodes)), nodes])
+    for number, basis in enumerate(bases):
+        motions = _along(basis, section, 1.0, 0.0)[:, :, : section.components, IN_PLANE]
+        own = of_node == number
+        rigid[own] = np.einsum("kj,ajcm->kacm", factors[own], motions)
+    return np.asarray(rigid.reshape(-1, 3).T @ forces.reshape(-1, forces.shape[-1]))
+
+
+def _basis_of_bore(section: SectionStiffness, nodes: Numbers) -> AxialBasis:
+    """Functions of z of the nodes of the bore, which belongs to one region."""
+    bases, of_node = section.functions.of_nodes(nodes)
+    return bases[of_node[0]]
+
+
+def _along(basis: AxialBasis, section: SectionStiffness, radius: float, middle_mm: float) -> Floats:
+    """(p + 1, 3, 3, 6) Integrals of functions of z times `_motions`."""
+    low, high = basis.range_mm
+    points, weights = leggauss(basis.count + TURN_POINTS)
+    z, weights = 0.5 * (low + high + (high - low) * points), 0.5 * (high - low) * weights
+    fields = _motions(z, section.twist, radius, middle_mm)
+    return np.asarray(np.einsum("ga,g,gjcm->ajcm", basis.values(z), weights, fields))
 
 
 def _moments(mesh: SectorMesh) -> tuple[Numbers, Floats]:

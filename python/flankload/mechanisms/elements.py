@@ -184,6 +184,8 @@ def solve_body(
     earlier runs, has no stage and no cost.
     """
     stage, wide = elements_stage(name), Parts() if parts is None else parts
+    if job.mirrored:
+        body = body.in_mirror_image()
     if not job.needs_elements:
         return no_compliance(body, job.body_load)
     if name in kept:

@@ -33,6 +33,8 @@ class BodyJob:
         Whether coast flanks carry load as well.
     rim : bool
         Whether displacements of a free rim are needed.
+    mirrored : bool
+        Whether the mirror image of the body is solved, in which its coast flanks are working ones.
     """
 
     elastic: bool
@@ -40,6 +42,7 @@ class BodyJob:
     body_load: BodyLoad | None = None
     coast_flanks: bool = False
     rim: bool = False
+    mirrored: bool = False
 
     @property
     def needs_elements(self) -> bool:

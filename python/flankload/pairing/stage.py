@@ -16,7 +16,7 @@ meshes from sums of integers.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import gcd, lcm, pi
 from typing import TYPE_CHECKING
 
@@ -216,7 +216,7 @@ def stage_pairing(
     pair_ring = paired(RING_MESH, (planet, ring), center_distance_mm)
     rate = sun.teeth / planet.teeth
     assert planet.involute is not None
-    image = replace(planet, axial=planet.axial.in_mirror_image())
+    image = planet.in_mirror_image()
     # the planet's frame in the mirror image at position zero of its mesh with the sun
     mirrored = pi - pair_sun.turns_at_zero_rad[1] - 2.0 * planet.involute.turn_rad
     base = (mirrored - pair_ring.turns_at_zero_rad[0]) / pair_ring.pitch_rad

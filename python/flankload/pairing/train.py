@@ -15,7 +15,6 @@ both are alike, and z increases away from the groove in each.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import pi, radians
 from typing import TYPE_CHECKING
 
@@ -119,7 +118,7 @@ def idler_pairing(
     reached = reached_positions(position_rad, driver)
     first = MeshPlace((driver, idler), (0, 0), (1, -1), (-1, 1)).of(one, reached)
     place = MeshPlace((idler, driven), (-back, 0), (-1, 1), (0, 1))
-    image = replace(idler, axial=idler.axial.in_mirror_image())
+    image = idler.in_mirror_image()
     second = place.of(two, reached_positions(offset + rate * position_rad, image))
     centers = np.array([[0.0, 0.0], [distances_mm[0], 0.0], [distances_mm[0], 0.0]])
     centers[1] += distances_mm[1] * directions(np.array([frame]))[0]

@@ -241,7 +241,12 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
     places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
     if reading.over_width is not None:
         assert table.z_mm is not None
-        values = modes_on_slices(reading, places, table.cell_mm, table.z_mm)
+        if reading.spread is None:
+            at = places, table.cell_mm, table.z_mm
+            values = modes_on_slices(at, span, tip, reading.n_modes, reading.over_width)
+        else:
+            along = reading.over_width.modes_at(table.z_mm)
+            values = np.einsum("a,nb->nab", reading.spread, along).reshape(len(along), -1)
     elif reading.nodes is not None:
         values = linear_shapes(places, reading.nodes) / reading.face_width_mm
     else:
@@ -264,22 +269,25 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
     return loads
 
 
-def modes_on_slices(reading: RootReading, places: Floats, cells_mm: Floats, z_mm: Floats) -> Floats:
+def modes_on_slices(
+    cells: tuple[Floats, Floats, Floats],
+    span: tuple[float, float],
+    tip: Tip | None,
+    n_modes: int,
+    over_width: OverWidth,
+) -> Floats:
     """Means (n, p) of the modes over cells of slices, along the profile and the axis.
 
-    The cells are at the places (n,) along the profile and in the slices with the middles z_mm (n,).
+    `cells`: places (n,) along the profile, lengths (n,) there, and middles (n,) of the slices;
+    `span`: range of the modes along the profile, of which there are `n_modes`.
     """
-    assert reading.over_width is not None
-    along = reading.over_width.modes_at(z_mm)
-    if reading.spread is not None:
-        return np.asarray(np.einsum("a,nb->nab", reading.spread, along).reshape(len(along), -1))
+    places, lengths_mm, z_mm = cells
     points, weights = leggauss(CELL_POINTS)
-    low, high = reading.mode_range_mm
-    tip = reading.tip
-    s = places[:, None] + 0.5 * cells_mm[:, None] * points
-    within = np.clip(s, low, high if tip is None else tip.end_mm)
-    values = mode_values(within.ravel(), (low, high), reading.n_modes, tip=tip)
-    values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, reading.n_modes))
+    s = places[:, None] + 0.5 * lengths_mm[:, None] * points
+    within = np.clip(s, span[0], span[1] if tip is None else tip.end_mm)
+    values = mode_values(within.ravel(), span, n_modes, tip=tip)
+    values = np.einsum("g,nga->na", 0.5 * weights, values.reshape(*s.shape, n_modes))
+    along = over_width.modes_at(z_mm)
     count = values.shape[1] * along.shape[1]
     return np.asarray(np.einsum("na,nb->nab", values, along).reshape(len(values), count))
 

@@ -74,7 +74,7 @@ class StageLoads(Drive):
     ring_deflection_um : (P, z) array
         Radial displacement of the outside of the ring behind each of its z spaces, outwards, from
         the space that planet 1 meets at position zero on, counter-clockwise; of a ring that floats
-        beyond its orbit, 0 of a clamped one, NaN of a free rim in three dimensions.
+        beyond its orbit, 0 of a clamped one; with a width its mean, along the helix.
     planet_force_N : (P, n, 2) array
         Force of the sun on each planet.
     pin_force_N : (P, n, 2) array
@@ -214,12 +214,6 @@ class StageLoads(Drive):
         orbit = ("sun_orbit",) * bool(several and np.abs(self.sun_orbit_um).max() > least_um)
         return ("planetary_stage", *names, *orbit)
 
-    @property
-    def _largest_deflection(self) -> float | None:
-        """Largest deflection of the rim, um; None if it is not known."""
-        largest = float(np.abs(self.ring_deflection_um).max())
-        return largest if np.isfinite(largest) else None
-
     def summary(self, result: Result) -> dict[str, Any]:
         """Entries of the summary."""
         pin = np.hypot(*np.moveaxis(self.pin_force_N, -1, 0))
@@ -236,7 +230,7 @@ class StageLoads(Drive):
             "mesh_load_factor_mean": over.mean(self.mesh_load_factor),
             "pin_force_max_N": float(pin.max()),
             "sun_orbit_max_um": float(orbit.max()),
-            "ring_deflection_max_um": self._largest_deflection,
+            "ring_deflection_max_um": float(np.abs(self.ring_deflection_um).max()),
             "ring_torque_mean_Nm": over.mean(self.ring_torque_Nm),
             "carrier_torque_mean_Nm": over.mean(self.carrier_torque_Nm),
             "sliding_loss_mean_Nm": over.mean(

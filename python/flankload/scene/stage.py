@@ -444,12 +444,11 @@ def _check_members(asked: SceneFile, planet: Gear) -> None:
     if asked.body_2.rigid and asked.stage is not None and asked.stage.ring_support == "bolts":
         refuse("body_2.rigid", "false, with stage.ring_support = 'bolts'", shown(True))
     check_base_pitches(asked.body_1, planet, names=("body_1", "planet"))
-    why = three_dimensional_key(asked)
-    if why is not None:
-        _check_width(asked, why)
+    if three_dimensional_key(asked) is not None:
+        _check_width(asked)
 
 
-def _check_width(asked: SceneFile, why: str) -> None:
+def _check_width(asked: SceneFile) -> None:
     """Refuse keys that a stage with width does not have."""
     assert asked.stage is not None
     for body in BODIES:
@@ -464,10 +463,6 @@ def _check_width(asked: SceneFile, why: str) -> None:
     if flank is not None and asked.planet is not None and pair is not None:
         width = asked.planet.face_width_mm or pair.face_width_mm
         flank.check(width, "stage.planet_ring_flank")
-    if asked.stage.ring_support == "bolts":
-        expected = f"'clamped' or 'free', since {why} requires three dimensions: this version has "
-        expected += "bolts in plane stages"
-        refuse("stage.ring_support", expected, f"'{asked.stage.ring_support}'")
 
 
 def _check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:

@@ -135,13 +135,6 @@ def test_planets_that_collide():
             {"pair": {"inclination_um_per_mm": 0.1}},
             "pair.inclination_um_per_mm: expected nothing with [stage], which has several axes",
         ),
-        (
-            {
-                "effects": {"dimension": 3},
-                "stage": {"ring_support": "bolts", "bolts": 8, "bolt_stiffness_N_per_um": 9},
-            },
-            "stage.ring_support: expected 'clamped' or 'free', since effects.dimension = 3",
-        ),
         ({"planet": {"module_mm": 3.1}}, "planet.module_mm: expected 3, as in body_1.module_mm"),
         (
             {"load": {"torque_Nm": 0}, "stage": {"sun_weight_N": 5}},

@@ -190,30 +190,30 @@ class Expansion:
 
 @dataclass(frozen=True, eq=False)
 class RimResponse:
-    """Displacements of the held side of a rim of which only the mean motion is held, in the plane.
+    """Displacements of the held side of a rim whose mean motion alone is held.
 
     The part of the rim that belongs to a sector moves by the mean of its displacement, along the
-    radius through its middle and across it, counter-clockwise; unit forces are spread over it.
+    radius through its middle and across it, counter-clockwise; unit forces are spread over it. With
+    a width, r = 2 (q_z + 1) displacements are pairs of means weighted by the polynomials P_b of the
+    axis, in a frame that turns with the helix; in the plane r = 2.
 
     Attributes
     ----------
-    by_modes : (z, 2, p) array
-        [t] maps the modes of tooth 0 to the displacement of sector t, in its frame; mm²/N.
-    by_forces : (z, 2, 2) array
-        The same of unit forces on the rim of sector 0.
+    by_modes : (z, r, p) array
+        [t] maps the modes of tooth 0 to the displacements of sector t, in its frame; mm²/N, with a
+        width mm/N.
+    by_forces : (z, r, r) array
+        The same of the forces on the rim of sector 0.
     modes : (3, p) array
         Resultant of the modes of tooth 0: forces along the axes of its frame, and moment, mm.
-    forces : (3, 2) array
-        Resultant of the unit forces on the rim of sector 0.
-    middle_rad : float
-        Polar angle of the middle of the rim of sector 0 in the frame of the body.
+    forces : (3, r) array
+        That of the forces on the rim of sector 0.
     """
 
     by_modes: Floats
     by_forces: Floats
     modes: Floats
     forces: Floats
-    middle_rad: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +223,7 @@ class RimMotion:
     Attributes
     ----------
     radial : (z, z p) array
-        Radial displacements of the rim of all sectors, mm²/N.
+        Radial displacements of the rim of all sectors, means over the width, mm²/N or mm/N.
     body : (2, z p) array
         Mean displacements of the body along the axes of its frame by the bolts, mm²/N.
     """

@@ -142,8 +142,7 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None) -> Response:
         loads.append(images)
         log.account.count(coast_readings=q, fe_solutions=q)
     if job.rim:
-        forces, _ = rim_forces(mesh)
-        loads.append(forces.reshape(section.nodes, section.unknowns, -1))
+        loads.append(rim_forces(mesh, section, job.loads.modes.axial.degree))
     flanks = q + (loads[-1].shape[2] if job.rim else 0)
     count = sum(part.shape[2] for part in loads)
     if job.bore is not None:
@@ -202,13 +201,12 @@ def _rim(job: Job, mesh: SectorMesh, response: Floats, loads: list[Floats]) -> R
     """Displacements of a rim from the response to loads on the flank, then the forces on it."""
     modes, n = job.loads, job.loads.count
     rim = slice(loads[0].shape[2], loads[0].shape[2] + loads[1].shape[2])
-    moments, forces = (resultants(mesh.nodes, _by_unknown(part)) for part in loads[:2])
+    moments, forces = (resultants(mesh.nodes, job.section, part) for part in loads[:2])
     return RimResponse(
         by_modes=modes.by_coefficients(response[:, rim, :n]),
         by_forces=response[:, rim, rim],
         modes=modes.by_coefficients(moments[None, :, :n])[0],
         forces=forces,
-        middle_rad=rim_forces(mesh)[1],
     )
 
 

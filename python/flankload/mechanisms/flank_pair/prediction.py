@@ -42,7 +42,7 @@ FURTHER = (
     "coast_readings",
     "corner_readings",
 )
-#: Unit forces on a rim, counted as normal loads.
+#: Unit forces on a rim for each polynomial over the width, counted as normal loads.
 RIM_LOADS = 2
 #: Further sweeps of the estimate of three-dimensional bodies: degrees along the axis, slices.
 SLICE_VARIANTS = 3
@@ -94,7 +94,7 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         coast=round(work.coast_readings),
         # a sharp tip moves along the flank, too
         corners=int(extension.sharp_tips and not nodal and has_turned_forces(body)),
-        rim=RIM_LOADS if job.rim else 0,
+        rim=RIM_LOADS * (degrees[1] + 1) if job.rim else 0,
     )
     tooth = pair.effects.single_tooth
     found = columns.work(body.mesh, tooth=tooth)

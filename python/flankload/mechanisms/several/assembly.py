@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
@@ -83,7 +83,7 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
     @cached_property
     def meshes(self) -> tuple[GearMesh, ...]:
         """Gear meshes, in the frames and mirror images of the pairing."""
-        images = [replace(body, axial=body.axial.in_mirror_image()) for body in self.bodies]
+        images = [body.in_mirror_image() for body in self.bodies]
         found = []
         for m, (mesh, slices) in enumerate(zip(self.pairing.meshes, self.slices, strict=True)):
             bodies = images if self.pairing.is_image(m) else self.bodies

@@ -110,18 +110,11 @@ def _jobs(
 ) -> tuple[BodyJob, BodyJob, BodyJob]:
     """Purposes of the elements of sun, planet and ring."""
     elastic = [not body.rigid for body in bodies]
-    # in the plane, the coast flanks of a ring are the working flanks of its mirror image
-    wide = not bodies[2].axial.plane
     fillets = [fillets_of(body, name, effects) for name, body in zip(NAMES, bodies, strict=True)]
     return (
         BodyJob(elastic[0], fillets[0]),
         BodyJob(elastic[1], fillets[1], coast_flanks=True),
-        BodyJob(
-            elastic[2],
-            fillets[2],
-            coast_flanks=wide,
-            rim=stage.ring_support != "clamped" and not wide,
-        ),
+        BodyJob(elastic[2], fillets[2], rim=stage.ring_support != "clamped", mirrored=True),
     )
 
 

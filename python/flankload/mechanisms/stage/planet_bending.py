@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.elasticity.axial_basis import AxialBasis
-from flankload.elasticity.near_field import mode_values, to_coefficients
+from flankload.elasticity.near_field import to_coefficients
+from flankload.mechanisms.stage.mode_loads import mode_values_at
 from flankload.result.planet_bending import PlanetBending
-from flankload.result.root_stress import OverWidth, RootReading, modes_on_slices
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.elasticity.compliance.contributions import RootResponse
     from flankload.mechanisms.stage.assembly import StageAssembly
-    from flankload.pairing.slices import Slices
 
 
 def bending_of_planets(
@@ -66,41 +64,17 @@ def _mode_loads(assembly: StageAssembly, planet: BodyCompliance, found: MeshesSw
     With a width the forces times the values of the modes, N.
     """
     pairing, modes = assembly.pairing, planet.modes
-    n_modes, (low, high) = planet.smooth.shape[1], modes.range_mm
-    end = high if modes.tip is None else modes.tip.end_mm
-    shape = (2, pairing.count, len(found.motions), pairing.teeth[1], n_modes)
+    shape = (2, pairing.count, len(found.motions), pairing.teeth[1], planet.smooth.shape[1])
     loads = np.zeros(shape)
-    reading = None if planet.root is None or assembly.is_plane else partial(_reading, planet)
     meshes = zip(pairing.meshes, found.meshes, assembly.slices, strict=True)
     for mesh, sweep, slices in meshes:
         pairs, own = sweep.pairs, 0 if mesh.with_ring else 1
-        places, width_mm = pairs.column(f"s_{own + 1}"), assembly.slices[0].compliance_width_mm
-        if reading is None:
-            within = np.clip(places, low, end)
-            values = mode_values(within, modes.range_mm, n_modes, tip=modes.tip)
+        values = mode_values_at(planet, slices, sweep, own)
+        if assembly.is_plane:
             values = to_coefficients(values.T, modes.range_mm, tip=modes.tip).T
-        else:
-            z_mm = slices.z_mm[pairs.slices]
-            values = modes_on_slices(reading(slices), places, pairs.column("cell"), z_mm)
         # contact pushes into the material
-        force = -pairs.column("force")[:, None] / width_mm
+        force = -pairs.column("force")[:, None]
         tooth = mesh.pairing.site_teeth[own][pairs.sites]
         at = loads[int(mesh.with_ring), mesh.planet]
         np.add.at(at, (pairs.position, tooth), force * values)
     return loads
-
-
-def _reading(planet: BodyCompliance, slices: Slices) -> RootReading:
-    """Modes of a planet in the slices of a mesh."""
-    root, modes = planet.root, planet.modes
-    assert root is not None
-    assert root.range_mm is not None
-    return RootReading(
-        points=root.points,
-        n_modes=planet.smooth.shape[1] // planet.modes_per_place,
-        response=root.response,
-        mode_range_mm=modes.range_mm,
-        tip=modes.tip,
-        face_width_mm=1.0,
-        over_width=OverWidth(root.range_mm, modes.axial.degree, slices.edges_mm),
-    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from flankload.base.rotation import turned
 from flankload.elasticity.bolts import rim_motion
-from flankload.elasticity.near_field import mode_values
+from flankload.mechanisms.stage.mode_loads import mode_values_at
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -26,7 +26,7 @@ def motion_of_rim(
     -------
     radial_mm : (P, z) array
         From the space that planet 1 meets at position 0 on, counter-clockwise; of a free rim
-        beyond the motion of the ring, 0 of a clamped one, NaN of a free one with a width.
+        beyond the motion of the ring, 0 of a clamped one; mean over the width.
     orbit_mm : (P, 2) array
         Mean displacement of the ring by its bolts, in the frame of the carrier.
     """
@@ -35,21 +35,18 @@ def motion_of_rim(
     if motion is None and ring.rim is not None:
         motion = rim_motion(ring.rim, teeth)
     if motion is None:
-        # this version reads the rim in the plane
-        held = np.nan if assembly.supports.ring_free else 0.0
-        return np.full((len(found.motions), teeth), held), np.zeros((len(found.motions), 2))
+        return np.zeros((len(found.motions), teeth)), np.zeros((len(found.motions), 2))
     loads = np.zeros((len(found.motions), teeth, motion.radial.shape[1] // teeth))
-    for mesh, sweep in zip(pairing.meshes, found.meshes, strict=True):
+    meshes = zip(pairing.meshes, found.meshes, assembly.slices, strict=True)
+    for mesh, sweep, slices in meshes:
         if not mesh.with_ring:
             continue
         pairs = sweep.pairs
         # the mirror image of the ring, whose teeth run clockwise
         tooth = -mesh.pairing.site_teeth[1][pairs.sites] % teeth
-        low, high = ring.modes.range_mm
-        places = np.clip(pairs.column("s_2"), low, high)
-        values = mode_values(places, ring.modes.range_mm, loads.shape[2], tip=ring.modes.tip)
+        values = mode_values_at(ring, slices, sweep, 1)
         # modes act out of the material, forces into it
-        force = -pairs.column("force")[:, None] / assembly.face_width_mm
+        force = -pairs.column("force")[:, None]
         np.add.at(loads, (pairs.position, tooth), force * values)
     every = loads.reshape(len(loads), -1)
     mesh = pairing.meshes[-1]

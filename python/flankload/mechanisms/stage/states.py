@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 from msgspec import structs
 
 from flankload.contact.meshes_contact import sweep_displaced
@@ -32,18 +33,22 @@ def compliances_of(
 ) -> tuple[StageAssembly, Compliances]:
     """Solve one finite-element job for each elastic body: the planets are equal."""
     assembly, (sun, planet, ring) = several.compliances_of(scene, assembly, clock, kept, parts)
-    return assembly, (sun, planet, _on_bolts(scene, ring))
+    return assembly, (sun, planet, _on_bolts(scene, assembly, ring))
 
 
-def _on_bolts(scene: Scene, ring: BodyCompliance) -> BodyCompliance:
-    """The compliance of a ring with its bolts."""
+def _on_bolts(scene: Scene, assembly: StageAssembly, ring: BodyCompliance) -> BodyCompliance:
+    """The compliance of a ring with its bolts, of its flanks in mesh."""
     assert scene.stage is not None
     stiffness, count = scene.stage.bolt_stiffness_N_per_mm, scene.stage.bolts
     if stiffness is None or count is None:
         return ring
     radial, tangential = stiffness
-    width = scene.pair.face_width_mm
-    return on_bolts(ring, Bolts(count, (radial / width, tangential / width)))
+    pairing, width_mm = assembly.pairing, assembly.slices[0].compliance_width_mm
+    of_ring = pairing.meshes[pairing.count :]
+    # in the mirror image of the ring, teeth run clockwise
+    teeth = -np.concatenate([mesh.pairing.site_teeth[1] for mesh in of_ring]) % pairing.teeth[2]
+    bolts = Bolts(count, (radial / width_mm, tangential / width_mm))
+    return on_bolts(ring, bolts, teeth.tolist())
 
 
 def are_displaced(one: Scene, other: Scene) -> bool:
