@@ -83,9 +83,9 @@ module flankload_status
         & status_type(code_only_ends, &
         & 'flanks are nearest to each other at excluded ends'), &
         & status_type(code_not_in_slices, &
-        & 'slices exclude finite forces, closed flanks; if they conform, friction, shifts'), &
+        & 'no finite forces or closed flanks in slices; no friction or shifts if conforming'), &
         & status_type(code_one_mesh_only, &
-        & 'several meshes exclude friction, finite forces, conforming slices, mixed models')]
+        & 'no friction, finite forces, conforming slices or mixed models in several meshes')]
 
 contains
 

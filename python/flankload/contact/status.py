@@ -134,10 +134,7 @@ SCENE_TEXTS: dict[int, str] = {
     Status.ONLY_ENDS: (
         "only tips or fillets can touch here, which effects.tip_contact = false excludes"
     ),
-    Status.NOT_IN_SLICES: (
-        "slices along the face width do not support finite forces, and slices of conforming "
-        "flanks support neither friction nor expansion"
-    ),
+    Status.NOT_IN_SLICES: "slices along the face width do not support finite forces",
 }
 #: Search for the largest torque that a jammed pair can hold: first torque over the requested one,
 #: steps per round, and rounds; accurate to 3e-4.
