@@ -154,7 +154,7 @@ class RingKeys(WidthKeys, BodyTable, frozen=True, kw_only=True):
         _check_ring(self, key)
 
 
-class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
+class Ring(regions.RingWebKeys, RingKeys, frozen=True, kw_only=True, tag="ring"):
     """An internal spur or helical gear, fixed at the outside of its rim."""
 
     helix_angle_deg: axial.HelixAngle = 0.0
@@ -171,6 +171,10 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
             usual=USUAL_ROUNDING,
         ),
     ] = None
+    web_width_mm: regions.RingWebWidth = None
+    web_inner_diameter_mm: regions.WebInnerDiameter = None
+    rim_thickness_mm: regions.RimThickness = None
+    web_offset_mm: regions.WebOffset = 0.0
     rim: Annotated[
         Support,
         about(
@@ -182,6 +186,7 @@ class Ring(RingKeys, frozen=True, kw_only=True, tag="ring"):
     def check(self, given: Mapping[str, Any], key: str) -> None:
         """Check what all rings have in common, and the support of the rim."""
         super().check(given, key)
+        self.check_regions(key)
         _check_support(self, "rim", key)
 
     @property

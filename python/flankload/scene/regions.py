@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import dropwhile
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from msgspec import Meta
 
@@ -23,15 +23,27 @@ WebWidth = Annotated[
     Length | None,
     about("width of the web, at most the face width; absent = no web", "mm", usual=USUAL_WIDTH),
 ]
+RingWebWidth = Annotated[
+    Length | None,
+    about(
+        "width of the web between rim and outside, over which the outside is held; absent = no web",
+        "mm",
+        usual=USUAL_WIDTH,
+    ),
+]
 WebOuterDiameter = Annotated[
     Length | None,
     about("diameter at which the web ends and the rim begins", "mm", usual=USUAL_SIZE),
 ]
+WebInnerDiameter = Annotated[
+    Length | None,
+    about("diameter at which the rim ends and the web begins", "mm", usual=USUAL_SIZE),
+]
 RimThickness = Annotated[
     Length | None,
     about(
-        "thickness of the rim from the root circle to the web (s_R of ISO 6336); replaces "
-        "web_outer_diameter_mm",
+        "thickness of the rim from the root circle to the web (s_R of ISO 6336); replaces the "
+        "diameter of the web",
         "mm",
         usual=USUAL_WIDTH,
     ),
@@ -74,20 +86,23 @@ RegionWidths = Annotated[
 ]
 
 
-class RegionKeys:
-    """Mixin of gears with keys of web and hub."""
+class WebKeys:
+    """Mixin of bodies with keys of a web."""
 
     __slots__ = ()
 
+    #: Key of the circle at which the web begins.
+    web_circle: ClassVar[str]
+
+    # defaults for rings, which lack these keys
+    hub_diameter_mm: HubDiameter = None
+    hub_width_mm: HubWidth = None
+    hub_offset_mm: HubOffset = 0.0
+
     if TYPE_CHECKING:
-        bore_diameter_mm: float
         web_width_mm: WebWidth
-        web_outer_diameter_mm: WebOuterDiameter
         rim_thickness_mm: RimThickness
         web_offset_mm: WebOffset
-        hub_diameter_mm: HubDiameter
-        hub_width_mm: HubWidth
-        hub_offset_mm: HubOffset
 
     def _regions(self) -> Iterator[tuple[str, float, float]]:
         """Name, width and offset of web and hub, if present."""
@@ -98,15 +113,14 @@ class RegionKeys:
 
     def check_regions(self, key: str) -> None:
         """Check that web and hub have a width and a diameter each."""
-        outer = {"web_outer_diameter_mm": self.web_outer_diameter_mm}
-        outer["rim_thickness_mm"] = self.rim_thickness_mm
-        if None not in outer.values():
-            expected = f"nothing beside {key}.web_outer_diameter_mm"
+        given = {name: getattr(self, name) for name in (self.web_circle, "rim_thickness_mm")}
+        if None not in given.values():
+            expected = f"nothing beside {key}.{self.web_circle}"
             refuse(f"{key}.rim_thickness_mm", expected, self.rim_thickness_mm)
-        places = [name for name, value in outer.items() if value is not None]
-        _check_both(key, "web", self.web_width_mm, places, self.web_offset_mm)
+        places = [name for name, value in given.items() if value is not None]
+        _check_both(key, self.web_circle, self.web_width_mm, places, self.web_offset_mm)
         places = ["hub_diameter_mm"] * (self.hub_diameter_mm is not None)
-        _check_both(key, "hub", self.hub_width_mm, places, self.hub_offset_mm)
+        _check_both(key, "hub_diameter_mm", self.hub_width_mm, places, self.hub_offset_mm)
 
     def regions_of(self, range_mm: "Extent") -> tuple[tuple[str, "Extent"], ...]:
         """Names and axial ranges of web and hub, except a web as wide as the teeth."""
@@ -115,6 +129,24 @@ class RegionKeys:
     def _extents(self, range_mm: "Extent") -> "Iterator[tuple[str, Extent]]":
         for name, width, offset in self._regions():
             yield name, _extent(range_mm, width, offset)
+
+    def region_diameter_key(self, name: str) -> str:
+        """The key of the circle at which web or hub begins."""
+        if name == "hub":
+            return "hub_diameter_mm"
+        return self.web_circle if self.rim_thickness_mm is None else "rim_thickness_mm"
+
+
+class RegionKeys(WebKeys):
+    """Mixin of gears with keys of web and hub."""
+
+    __slots__ = ()
+
+    web_circle: ClassVar[str] = "web_outer_diameter_mm"
+
+    if TYPE_CHECKING:
+        bore_diameter_mm: float
+        web_outer_diameter_mm: WebOuterDiameter
 
     def bore_of(self, range_mm: "Extent") -> "tuple[Extent, float]":
         """Axial range and diameter of the bore."""
@@ -130,13 +162,6 @@ class RegionKeys:
                 expected = f"a {name} {relation} the {outside} ({_shown(around)})"
                 refuse(f"{key}.{name}_width_mm", expected, f"{own[1] - own[0]:g} ({_shown(own)})")
             outside, around = name, own
-
-    def region_diameter_key(self, name: str) -> str:
-        """The key of the outer circle of web or hub."""
-        if name == "hub":
-            return "hub_diameter_mm"
-        given = self.rim_thickness_mm is None
-        return "web_outer_diameter_mm" if given else "rim_thickness_mm"
 
     def region_radii(self, root_radius_mm: float, key: str) -> dict[str, float]:
         """Outer radii of web and hub.
@@ -164,13 +189,56 @@ class RegionKeys:
         return radii
 
 
+class RingWebKeys(WebKeys):
+    """Mixin of rings with keys of a web between the rim and the outside."""
+
+    __slots__ = ()
+
+    web_circle: ClassVar[str] = "web_inner_diameter_mm"
+
+    if TYPE_CHECKING:
+        outer_diameter_mm: float
+        web_inner_diameter_mm: WebInnerDiameter
+
+    def check_extents(self, range_mm: "Extent", key: str) -> None:
+        """Check the ends of the web."""
+        for name, own in self._extents(range_mm):
+            if not (_is_within(own, range_mm) or _is_within(range_mm, own)):
+                expected = "a web that contains or is within the face width "
+                expected += f"({_shown(range_mm)})"
+                refuse(f"{key}.{name}_width_mm", expected, f"{own[1] - own[0]:g} ({_shown(own)})")
+
+    def region_radii(self, root_radius_mm: float, key: str) -> dict[str, float]:
+        """Inner radius of the web.
+
+        Raises
+        ------
+        SceneError
+            If the circles overlap.
+        """
+        if self.web_width_mm is None:
+            return {}
+        inner, outside = self.region_diameter_key("web"), 0.5 * self.outer_diameter_mm
+        given = getattr(self, inner)
+        radius = 0.5 * given
+        expected = f"more than the root diameter ({2 * root_radius_mm:.4f}) and less than "
+        expected += f"{key}.outer_diameter_mm ({2 * outside:g})"
+        if inner == "rim_thickness_mm":
+            radius = root_radius_mm + given
+            expected = f"less than {outside - root_radius_mm:.4f}, since the rim ends within "
+            expected += f"{key}.outer_diameter_mm ({2 * outside:g})"
+        if not root_radius_mm < radius < outside:
+            refuse(f"{key}.{inner}", expected, given)
+        return {"web": radius}
+
+
 def _check_both(
-    key: str, name: str, width: float | None, places: "Sequence[str]", offset: float
+    key: str, circle: str, width: float | None, places: "Sequence[str]", offset: float
 ) -> None:
     """Check that a region has both a width and a diameter, or neither."""
+    name = circle.partition("_")[0]
     if width is not None and not places:
-        place = "web_outer_diameter_mm" if name == "web" else "hub_diameter_mm"
-        refuse_absent(key, place, "a number > 0", f"{name}_width_mm")
+        refuse_absent(key, circle, "a number > 0", f"{name}_width_mm")
     if width is None and (places or offset):
         refuse_absent(key, f"{name}_width_mm", "a number > 0", (*places, f"{name}_offset_mm")[0])
 

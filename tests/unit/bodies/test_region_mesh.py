@@ -25,7 +25,7 @@ from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.scene import MeshBody
 from flankload.scene.mesh import Profile
 from tests.support.gear_scenes import ABSENT, changed
-from tests.support.ring_bodies import gear
+from tests.support.ring_bodies import gear, ring
 from tests.support.tolerances import ROUND_OFF
 
 WEB = {"web_width_mm": 4.0, "web_outer_diameter_mm": 50.0}
@@ -84,6 +84,52 @@ def test_cuts_of_web_and_hub_match_and_end_at_the_bore() -> None:
     bore = np.flatnonzero(np.abs(radii - 15.0) < 1e-12)
     assert np.array_equal(np.sort(mesh.fixed_nodes), bore)
     assert np.array_equal(np.sort(cuts), np.setdiff1d(on_cut, bore))
+
+
+def test_the_web_of_a_ring_continues_its_rim_outwards() -> None:
+    spec = ring(web_width_mm=4.0, rim_thickness_mm=6.0)
+    mesh = _mesh(build_involute_body(spec, "body_2", flank_element_mm=2.0, regions=("web",)))
+    (_, rim), (_, web) = mesh.cells
+    assert mesh.regions == ("", "web")
+    for cells in (rim, web):
+        basis = Basis(MeshQuad2(mesh.nodes.T, cells.T), ElementQuad2(), intorder=5)
+        assert basis.dx.min() > 0
+    inner = 0.5 * 187.5 + 6.0
+    assert basis.dx.sum() == pytest.approx(pi * (110.0**2 - inner**2) / 60, rel=1e-6)
+    radii = np.hypot(*mesh.nodes.T)
+    assert np.hypot(*mesh.nodes[rim].reshape(-1, 2).T).max() == pytest.approx(inner, rel=1e-14)
+    pitch = 2 * pi / mesh.teeth
+    turn = np.array([[np.cos(pitch), np.sin(pitch)], [-np.sin(pitch), np.cos(pitch)]])
+    np.testing.assert_allclose(
+        mesh.nodes[mesh.left_nodes] @ turn, mesh.nodes[mesh.right_nodes], rtol=0, atol=1e-12
+    )
+    outside = np.flatnonzero(np.abs(radii - 110.0) < 1e-11)
+    assert np.array_equal(np.sort(mesh.fixed_nodes), outside)
+
+
+@pytest.mark.parametrize(
+    ("keys", "line"),
+    [
+        (
+            {"web_inner_diameter_mm": 187.0},
+            (
+                "web_inner_diameter_mm: expected more than the root diameter (187.5000) and less "
+                "than body_2.outer_diameter_mm (220), found 187.0"
+            ),
+        ),
+        (
+            {"rim_thickness_mm": 17.0},
+            (
+                "rim_thickness_mm: expected less than 16.2500, since the rim ends within "
+                "body_2.outer_diameter_mm (220), found 17.0"
+            ),
+        ),
+    ],
+)
+def test_a_web_of_a_ring_outside_of_it_gets_one_line(keys: dict[str, float], line: str) -> None:
+    with pytest.raises(FlankloadError) as caught:
+        build_involute_body(ring(web_width_mm=4.0, **keys), "body_2", flank_element_mm=2.0)
+    assert str(caught.value) == f"body_2.{line}"
 
 
 def test_a_rim_thickness_is_measured_from_the_root_circle() -> None:

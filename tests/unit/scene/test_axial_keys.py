@@ -314,10 +314,26 @@ REGIONS = {"region_sets": ["WEB", "HUB"], "region_widths_mm": [4, 20]}
             "2",
         ),
         (
-            {"body_2": RING | {"web_width_mm": 3}, "pair__center_distance_mm": 99},
-            "body_2.web_width_mm",
+            {"body_2": RING | {"hub_width_mm": 3}, "pair__center_distance_mm": 99},
+            "body_2.hub_width_mm",
             "no such key, since this version does not simulate webs and hubs of these bodies",
             "3",
+        ),
+        (
+            {"body_2": RING | {"web_width_mm": 3}, "pair__center_distance_mm": 99},
+            "body_2.web_inner_diameter_mm",
+            "a number > 0, since there is a body_2.web_width_mm",
+            "nothing",
+        ),
+        (
+            {
+                "body_2": RING
+                | {"web_width_mm": 14, "rim_thickness_mm": 5, "web_offset_mm": 1},
+                "pair__center_distance_mm": 99,
+            },
+            "body_2.web_width_mm",
+            "a web that contains or is within the face width (from -7 to 7 mm)",
+            "14 (from -6 to 8 mm)",
         ),
         (
             {"body_1": SECTOR | REGIONS | {"region_widths_mm": [4]}},

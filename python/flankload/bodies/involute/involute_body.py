@@ -34,7 +34,7 @@ def build_involute_body(
     """Build a body with involute teeth, held at its bore or at the outside of its rim.
 
     The reference radius of a spline is its pitch radius, that of other bodies the base radius.
-    Parameters as for `build_body`; `regions`: those of a gear below its rim, outermost first.
+    Parameters as for `build_body`; `regions`: those behind the rim, from the teeth on.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def build_involute_body(
 
     lengths = (flank_element_mm, flank_nodes_mm)
     if isinstance(spec, Ring | SplineHub):
-        profile, rim_radius, mesh = _inward(spec, key, lengths)
+        profile, rim_radius, mesh = _inward(spec, key, lengths, regions)
     else:
         profile, rim_radius, mesh = _outward(spec, key, lengths, regions)
     if mesh is not None and spec.has_free_bore:
@@ -101,7 +101,10 @@ def _outward(
 
 
 def _inward(
-    spec: Ring | SplineHub, key: str, lengths: tuple[float, float | None]
+    spec: Ring | SplineHub,
+    key: str,
+    lengths: tuple[float, float | None],
+    regions: tuple[str, ...],
 ) -> tuple[ToothProfile, float, SectorMesh | None]:
     """Profile, outer radius and mesh of a body with internal teeth."""
     from flankload.scene.spline import SPLINE_FILLET, SplineHub
@@ -109,8 +112,16 @@ def _inward(
     if isinstance(spec, SplineHub) and spec.root_fillet_radius_mm is None:
         spec = structs.replace(spec, root_fillet_radius_mm=SPLINE_FILLET * spec.module_mm)
     profile, outer_radius = ring_profile(spec, key), 0.5 * spec.outer_diameter_mm
-    mesh = None if spec.rigid else ring_mesh(profile, outer_radius, lengths, key)
-    return profile, outer_radius, mesh
+    radii = {} if isinstance(spec, SplineHub) else spec.region_radii(
+        profile.involute.root_radius_mm, key
+    )
+    if spec.rigid:
+        return profile, outer_radius, None
+    if not regions:
+        return profile, outer_radius, ring_mesh(profile, outer_radius, lengths, key)
+    behind = [(name, radii[name]) for name in regions]
+    rim = ring_mesh(profile, radii[regions[0]], lengths, key)
+    return profile, outer_radius, with_regions(rim, outer_radius, behind, lengths[0])
 
 
 def _check_root(spec: SplineShaft, key: str) -> None:

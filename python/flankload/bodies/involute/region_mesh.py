@@ -1,4 +1,4 @@
-"""Elements of web and hub below the rim of a gear's sector."""
+"""Elements of web and hub behind the rim of a sector."""
 
 from __future__ import annotations
 
@@ -24,29 +24,32 @@ ROW_AT_JUMP, GROWTH = 1.0, 2.0
 
 
 def with_regions(
-    mesh: SectorMesh, bore_radius_mm: float, below: Sequence[tuple[str, float]], element_mm: float
+    mesh: SectorMesh, fixed_radius_mm: float, behind: Sequence[tuple[str, float]], element_mm: float
 ) -> SectorMesh:
-    """Extend a sector, fixed on its inner circle, by regions down to the bore, where it is fixed.
+    """Extend a sector, fixed on a circle, by regions up to another one, where it is then fixed.
 
-    `below`: names and outer radii of the regions, outermost first, beginning with that circle;
-    `element_mm`: largest length of an element along the flank.
+    `behind`: names of the regions and radii of the circles at which they begin, from that circle
+    on, inwards or outwards; `element_mm`: largest length of an element along the flank.
     """
     blocks = BlockMesh([mesh.nodes], [], len(mesh.nodes))
     angle = np.arctan2(*mesh.nodes[mesh.fixed_nodes].T[::-1])
-    lowest = mesh.fixed_nodes[np.argsort(-angle)]  # blocks are right-handed
-    directions = mesh.nodes[lowest] / below[0][1]
-    left, right = [mesh.left_nodes, lowest[-1:]], [mesh.right_nodes, lowest[:1]]
-    for outer, inner in pairwise([radius for _, radius in below] + [bore_radius_mm]):
-        height, first, size = outer - inner, ROW_AT_JUMP * element_mm, ROW_RATIO * outer
-        if inner > bore_radius_mm or len(below) == 1:
+    sense = 1.0 if fixed_radius_mm < behind[0][1] else -1.0
+    last = mesh.fixed_nodes[np.argsort(-sense * angle)]  # blocks are right-handed
+    directions = mesh.nodes[last] / behind[0][1]
+    first_cut, last_cut = [last[:1]], [last[-1:]]
+    for start, end in pairwise([radius for _, radius in behind] + [fixed_radius_mm]):
+        height, first = sense * (start - end), ROW_AT_JUMP * element_mm
+        size = ROW_RATIO * max(start, end)
+        if end != fixed_radius_mm or len(behind) == 1:
             rows = symmetric_breaks(height, first, GROWTH, size)
         else:  # no jump of the width at the bore of a hub
             rows = growing_breaks(height, first, GROWTH, np.array([[0.0], [size]]))
-        radii = outer - with_middles(rows)[::-1] * height
-        numbers = blocks.add(radii[:, None, None] * directions, {"top": lowest})
-        lowest = numbers[0]
-        left.append(numbers[-2::-1, -1])
-        right.append(numbers[-2::-1, 0])
+        radii = start - sense * with_middles(rows)[::-1] * height
+        numbers = blocks.add(radii[:, None, None] * directions, {"top": last})
+        last = numbers[0]
+        first_cut.append(numbers[-2::-1, 0])
+        last_cut.append(numbers[-2::-1, -1])
+    right, left = (first_cut, last_cut) if sense > 0.0 else (last_cut, first_cut)
     nodes = blocks.nodes
     return replace(
         mesh,
@@ -55,8 +58,8 @@ def with_regions(
         flank_arc_length=np.append(
             mesh.flank_arc_length, np.full(len(nodes) - len(mesh.nodes), np.nan)
         ),
-        fixed_nodes=np.unique(lowest),
-        left_nodes=np.concatenate(left)[:-1],
-        right_nodes=np.concatenate(right)[:-1],
-        regions=("",) * len(mesh.cells) + tuple(name for name, _ in below),
+        fixed_nodes=np.unique(last),
+        left_nodes=np.concatenate([mesh.left_nodes, *left])[:-1],
+        right_nodes=np.concatenate([mesh.right_nodes, *right])[:-1],
+        regions=("",) * len(mesh.cells) + tuple(name for name, _ in behind),
     )
