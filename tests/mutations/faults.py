@@ -750,7 +750,7 @@ _PYTHON = (
         "bodies/involute/region_mesh.py",
         "unit/bodies/test_region_mesh.py",
         ("numbers[-2::-1, -1]", "numbers[-1::-1, -1]"),
-        ("np.argsort(-angle)", "np.argsort(angle)"),
+        ("np.argsort(-sense * angle)", "np.argsort(sense * angle)"),
     ),
     *_in(
         "scene/regions.py",

@@ -60,10 +60,6 @@ def build_body(
         If the body is impossible, with the key; MeshError, ComplianceFileError for a faulty file.
     """
     assert not isinstance(spec, DriveTable)  # built by their drives
-    if isinstance(spec, ComplianceBody):
-        from flankload.bodies.imported.compliance_body import build_compliance_body
-
-        return build_compliance_body(spec, key, folder=folder)
     if isinstance(spec, Cam | Follower):
         length, finer = flank_element_mm, DEFAULT.flank_element_parts / flank_element_parts
         if isinstance(spec, Follower):
@@ -74,7 +70,11 @@ def build_body(
 
         return build_cam(spec, key, folder=folder, flank_element_mm=length, fineness=finer)
     ends = None if pair_width_mm is None else axial_range(spec, pair_width_mm, key)
-    if isinstance(spec, MeshBody):
+    if isinstance(spec, ComplianceBody):
+        from flankload.bodies.imported.compliance_body import build_compliance_body
+
+        body = build_compliance_body(spec, key, folder=folder, ends_mm=ends)
+    elif isinstance(spec, MeshBody):
         from flankload.bodies.imported.mesh_body import build_mesh_body
 
         body = build_mesh_body(spec, key, folder=folder)
@@ -96,7 +96,7 @@ def build_body(
 
 def _along_axis(
     body: Body,
-    spec: Gear | Ring | SplineShaft | SplineHub | MeshBody,
+    spec: Gear | Ring | SplineShaft | SplineHub | MeshBody | ComplianceBody,
     key: str,
     folder: Path,
     ends: tuple[float, float],
@@ -105,7 +105,9 @@ def _along_axis(
 
     A mirrored helical mesh is refused, since mirroring reverses its hand.
     """
-    if isinstance(spec, MeshBody):
+    if isinstance(spec, ComplianceBody):
+        radius_mm = body.reference_radius_mm  # without a helix angle: the twist is that of the file
+    elif isinstance(spec, MeshBody):
         radius_mm = spec.helix_radius_mm
         if body.mirrored and spec.helix_angle_deg:
             expected = f"a flank that faces counter-clockwise, since there is a {key}."
@@ -116,5 +118,7 @@ def _along_axis(
         radius_mm = body.involute.reference_radius_mm
     surface = flank_surface(spec, key, body, folder=folder, width_mm=ends[1] - ends[0])
     shape, notes = axial_shape(spec, ends, radius_mm, surface), surface.notes if surface else ()
+    if isinstance(spec, ComplianceBody):
+        shape = replace(shape, twist_rad_per_mm=body.axial.twist_rad_per_mm)
     elements = None if body.elements is None else replace(body.elements, axial=shape)
     return replace(body, axial=shape, elements=elements, notes=(*body.notes, *notes))

@@ -9,7 +9,9 @@ import numpy as np
 from flankload.bodies.flank_elements import gauss_places
 from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.imported.compliance import ModalCompliance, NodalCompliance
+from flankload.elasticity.axial_basis import mode_norms_z
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
+from flankload.elasticity.compliance.contributions import AxialModes
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import (
     logarithm_strength,
@@ -107,18 +109,9 @@ def _of_modes(
             f"transposed (reciprocity), to {LARGEST_ASYMMETRY:g} of the largest entry",
             found=f"{asymmetry:.3g}",
         )
-    low, high = body.mode_range_mm
-    n, tip = smooth.shape[1], imported.tip
-    if tip is None:
-        norms = mode_norms(body.mode_range_mm, n)
-        whole = smooth * norms[:, None] * norms[None, :]
-    else:
-        products = mode_products(body.mode_range_mm, n, tip)
-        whole = products @ smooth @ products
-    wedge = image_strengths(body)
-    behind = None if tip is None else tip.behind(low)
-    near = projected_near_field(n, high - low, wedge=wedge, tip=behind)
-    whole[own] -= imported.kernel * near
+    modes, products, near = _near_field(body, imported)
+    whole = products @ smooth @ products
+    whole[own] += near
     least = _least_eigenvalue(whole, f)
     if not least > 0.0:
         raise ComplianceFileError(
@@ -133,10 +126,10 @@ def _of_modes(
         near=NearField(
             imported.kernel,
             jump=imported.jump if friction else 0.0,
-            wedge=wedge,
+            wedge=image_strengths(body),
             wedge_along=along_strengths(body),
         ),
-        modes=FlankModes(body.mode_range_mm, tip=tip),
+        modes=modes,
         flanks=imported.flanks,
         tangential=imported.tangential if friction else None,
         turned=imported.turned,
@@ -144,6 +137,35 @@ def _of_modes(
     )
     spare = found.flank_modes - n_modes
     return found.fewer_modes(spare) if spare > 0 else found
+
+
+def _near_field(body: Body, imported: ModalCompliance) -> tuple[FlankModes, Floats, Floats]:
+    """Modes, their products <P, P> and their products by the near field <P, near P> (p, p)."""
+    n, tip = imported.smooth.shape[1] // imported.modes_per_place, imported.tip
+    if imported.axial_degree is None:
+        low, high = body.mode_range_mm
+        behind = None if tip is None else tip.behind(low)
+        near = projected_near_field(n, high - low, wedge=image_strengths(body), tip=behind)
+        products = (
+            np.diag(mode_norms(body.mode_range_mm, n))
+            if tip is None
+            else mode_products(body.mode_range_mm, n, tip)
+        )
+        return FlankModes(body.mode_range_mm, tip=tip), products, -imported.kernel * near
+    from flankload.elasticity.prism import Prism, flank_surface
+    from flankload.elasticity.prism.flank_potential import projected_potential
+
+    shape, degree = body.axial, imported.axial_degree
+    surface = flank_surface(body, Prism(shape.range_mm, shape.twist_rad_per_mm, degree, degree))
+    axial = AxialModes(
+        shape.range_mm, degree, shape.twist_rad_per_mm, surface.cos_base_helix, surface.end
+    )
+    over_width = np.diag(mode_norms_z(shape.width_mm, degree))
+    return (
+        FlankModes(body.mode_range_mm, tip=tip, axial=axial),
+        np.asarray(np.kron(surface.products(n), over_width), dtype=float),
+        0.5 * imported.kernel * projected_potential(surface, n, degree),
+    )
 
 
 def _least_eigenvalue(whole: Floats, flanks: int) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from flankload.bodies.free_corner import corner_angles
 from flankload.bodies.imported.compliance import CORNER_ANGLES
-from flankload.bodies.imported.modal_file import FORMAT, INVOLUTE
+from flankload.bodies.imported.modal_file import AXIAL, FORMAT, INVOLUTE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,7 +26,7 @@ def modal_arrays(
     curve = body.curve
     arrays: dict[str, Any] = {
         "format": FORMAT,
-        "version": _version(compliance),
+        "version": _version(body, compliance),
         "kind": body.kind,
         "teeth": body.teeth,
         "young_modulus_MPa": body.material.young_modulus_MPa,
@@ -61,11 +61,17 @@ def modal_arrays(
     if body.involute is not None:
         for name, part in INVOLUTE.items():
             arrays[name] = getattr(body.involute, part.name)
+    if not body.axial.plane:
+        axial = compliance.modes.axial
+        numbers = body.axial.width_mm, axial.degree, axial.twist
+        arrays |= dict(zip(AXIAL, numbers, strict=True))
     return {name: np.asarray(value) for name, value in arrays.items()}
 
 
-def _version(compliance: BodyCompliance) -> int:
+def _version(body: Body, compliance: BodyCompliance) -> int:
     """Lowest version of the format for a compliance."""
+    if not body.axial.plane:
+        return 4
     if any(compliance.near.wedge) or compliance.modes.tip is not None:
         return 3
     return 1 if compliance.tangential is None else 2

@@ -12,6 +12,7 @@ from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS
 from flankload.scene.effects import EFFECTS, MODIFICATIONS, RELIEF_PLACES, is_spatial, switches_of
 from flankload.scene.effects.keys import EffectsAsked
 from flankload.scene.plane_section import in_three_dimensions, plane_section
+from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -117,6 +118,11 @@ def toggled(scene: Scene, name: str, *, on: bool) -> Toggle | None:
     elif name in REMOVED and on:
         return Toggle(_without_tables(scene, REMOVED[name]))
     elif name == "three_dimensions":
+        for table in ("body_1", "body_2"):
+            if getattr(scene, table).brings_compliance:
+                expected = "a body with finite elements: its file is that of a plane body or of a "
+                expected += "three-dimensional one"
+                refuse(f"{table}.kind", expected, "'compliance'", scene.file)
         found = plane_section(scene) if on else in_three_dimensions(scene)
     elif name == "several_torques":
         most = max(scene.torques_Nm)

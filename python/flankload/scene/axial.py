@@ -192,6 +192,7 @@ class AxialKeys:
     shaft: OnShaft = None
 
     if TYPE_CHECKING:
+        brings_compliance: ClassVar[bool]
         face_width_mm: OwnWidth
         axial_offset_mm: AxialOffset
         lead_crowning_um: LeadCrowning
@@ -202,7 +203,8 @@ class AxialKeys:
         end_relief_shape: EndReliefShape
 
         @property
-        def number_of_teeth(self) -> int: ...
+        def number_of_teeth(self) -> int:
+            """Number of teeth; 0 if only a file has it."""
 
         @property
         def turn_per_mm(self) -> float:
@@ -251,7 +253,7 @@ class AxialKeys:
         if self.hand is not None and not self.helix_angle_deg:
             refuse(f"{key}.hand", f"nothing, unless {key}.helix_angle_deg is > 0", shown(self.hand))
         slopes = self.tooth_helix_slope_um
-        if slopes and len(slopes) != self.number_of_teeth:
+        if slopes and self.number_of_teeth not in (0, len(slopes)):
             expected = f"one entry per tooth: {self.number_of_teeth}, as in {key}.teeth"
             refuse(f"{key}.tooth_helix_slope_um", expected, f"{len(slopes)} entries")
         reliefs = ("end_relief_um", "end_relief_length_mm")
@@ -376,8 +378,8 @@ def check_dimension(asked: "SceneFile", given: Mapping[str, Any]) -> None:
         if not isinstance(body, AxialKeys):
             refuse(
                 f"{name}.kind",
-                f"'gear', 'ring', 'mesh' or a spline, since {why} requires three dimensions, which "
-                "this version has for these bodies",
+                f"'gear', 'ring', 'mesh', 'compliance' or a spline, since {why} requires three "
+                "dimensions, which this version has for these bodies",
                 f"'{body.kind}'",
             )
         body.check_solid(name, why)
@@ -435,6 +437,11 @@ def _check_pair(
     one: AxialKeys, two: AxialKeys, pair_width_mm: float, names: tuple[str, str]
 ) -> None:
     """Check that the helices of two bodies mesh and that their widths overlap."""
+    for name, body in zip(names, (one, two), strict=True):
+        axial_range(body, pair_width_mm, name)
+    common_range(one, two, pair_width_mm, names)
+    if one.brings_compliance or two.brings_compliance:
+        return  # whose file has the helix
     first, second = names
     # the rotations of both sections along the axis are in the ratio of the tooth numbers
     expected = two.helix_deg_of(one.turn_per_mm)
@@ -450,6 +457,3 @@ def _check_pair(
         )
     if two.inward is not None:
         check_hands(one.hand_sign, two.hand_sign, inward=two.inward, names=names)
-    for name, body in zip(names, (one, two), strict=True):
-        axial_range(body, pair_width_mm, name)
-    common_range(one, two, pair_width_mm, names)

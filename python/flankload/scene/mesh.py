@@ -162,17 +162,38 @@ class MeshBody(
             refuse(f"{key}.profile.teeth", f"{teeth} as in {key}.teeth, or nothing", profile.teeth)
 
 
-class ComplianceBody(BodyTable, frozen=True, kw_only=True, tag="compliance"):
+class ComplianceBody(axial.AxialKeys, BodyTable, frozen=True, kw_only=True, tag="compliance"):
     """A body with flank and compliance from a file of flankload or of another program."""
 
     from_file: ClassVar[bool] = True
     brings_compliance: ClassVar[bool] = True
+    inward: ClassVar[bool | None] = None
 
     file: Annotated[
         Text, about("compliance file (.npz, .csv); relative to the folder of the scene file")
     ]
     rigid: Rigid = False
     pitch_errors_um: Annotated[PitchErrors, about("absent = those of the file", "um")] = ()
+    face_width_mm: axial.OwnWidth = None
+    axial_offset_mm: axial.AxialOffset = 0.0
+    lead_crowning_um: axial.LeadCrowning = None
+    helix_slope_um: axial.HelixSlope = None
+    tooth_helix_slope_um: axial.ToothHelixSlopes = ()
+    end_relief_um: axial.EndRelief = None
+    end_relief_length_mm: axial.EndReliefLength = None
+    end_relief_shape: axial.EndReliefShape = "linear"
+    profile_twist_um: axial.ProfileTwist = None
+    topography_file: axial.TopographyFile = None
+    shaft: axial.OnShaft = None
+
+    @property
+    def number_of_teeth(self) -> int:
+        """0: the file has it."""
+        return 0
+
+    def check(self, given: Mapping[str, Any], key: str) -> None:
+        """Check the keys along the axis."""
+        self.check_axial(given, key)
 
 
 def _check_sets(body: MeshBody, given: Mapping[str, Any], key: str) -> None:

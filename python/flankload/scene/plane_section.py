@@ -26,8 +26,8 @@ DEFAULTS = {field.name: field.default for field in structs.fields(Stage)}
 ALONG_AXIS = (
     "helix_angle_deg", "hand", "face_width_mm", "axial_offset_mm", *LEAD_KEYS,
     "end_relief_length_mm", "end_relief_shape", "shaft", "web_width_mm", "web_outer_diameter_mm",
-    "web_inner_diameter_mm", "rim_thickness_mm", "web_offset_mm", "hub_diameter_mm", "hub_width_mm", "hub_offset_mm",
-    "region_sets", "region_widths_mm",
+    "web_inner_diameter_mm", "rim_thickness_mm", "web_offset_mm", "hub_diameter_mm",
+    "hub_width_mm", "hub_offset_mm", "region_sets", "region_widths_mm",
 )  # fmt: skip
 
 

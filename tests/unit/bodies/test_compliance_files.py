@@ -471,12 +471,12 @@ OWN_REFUSALS = [
     (drop("format"), "format: expected text, found nothing"),
     (change(format="another"), "format: expected 'flankload flank compliance' or 'flankload nodal"),
     (
-        change(version=4),
-        "version: expected at most 3, the latest version that this flankload reads, found 4",
+        change(version=5),
+        "version: expected at most 4, the latest version that this flankload reads, found 5",
     ),
     (
         change(version=0),
-        "version: expected at most 3, the latest version that this flankload reads, found 0",
+        "version: expected at most 4, the latest version that this flankload reads, found 0",
     ),
     (change(tip_corner_deg=-3.0), "tip_corner_deg: expected a number >= 30, found -3"),
     (change(version=1.5), "version: expected whole numbers, found 1.5"),

@@ -404,29 +404,6 @@ def test_impossible_output_is_refused_before_the_work(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (["compliance", "-o", "files"], "the files hold the compliance of plane bodies"),
-    ],
-)
-def test_commands_for_plane_bodies_refuse_three_dimensions(
-    arguments: list[str], reason: str, scene: Path, capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    """Regression: files said plane strain, a plane deck was compared, a study had no answers."""
-    monkeypatch.chdir(scene.parent)
-    text = SCENE.replace("tolerance = 0.1\n", "") + "[effects]\ndimension = 3\n"
-    scene.write_text(text, encoding="utf-8")
-    code, out, err = run(capsys, arguments[0], scene, *arguments[1:])
-    assert (code, out) == (2, "")
-    assert one_line(err) == (
-        f"{scene}: effects.dimension: expected a plane scene, since {reason} (effects.dimension = "
-        "3), found a three-dimensional scene"
-    )
-    assert not (scene.parent / "files").exists()
-
-
-@pytest.mark.parametrize(
     ("arguments", "line"),
     [
         (["run", "--json", "meshes/body_1.msh"],

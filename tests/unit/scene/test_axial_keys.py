@@ -11,6 +11,7 @@ import flankload as fl
 from flankload.scene.effects import effects_of, switches_of
 from flankload.scene.plane_section import plane_section
 from tests.support.gear_scenes import RING, changed, one_line
+from tests.support.three_dimensional import tree_of
 
 HELICAL = {
     "body_1__helix_angle_deg": 15,
@@ -98,7 +99,6 @@ def test_helices_of_gears_and_meshes_have_one_lead_per_tooth() -> None:
 
 SINCE = "since body_1.lead_crowning_um requires three dimensions"
 CROWNED = {"body_1__lead_crowning_um": 5}
-GIVEN = {"kind": "compliance", "file": "wheel.npz"}
 
 
 @pytest.mark.parametrize(
@@ -200,12 +200,6 @@ GIVEN = {"kind": "compliance", "file": "wheel.npz"}
             "accuracy.load_degree_z",
             "at most 4, 4 less than accuracy.axial_degree (8)",
             "5",
-        ),
-        (
-            {**CROWNED, "body_2": GIVEN},
-            "body_2.kind",
-            f"'gear', 'ring', 'mesh' or a spline, {SINCE}, which this version has for these bodies",
-            "'compliance'",
         ),
         (
             {"effects__dimension": 3, "body_2": WHOLE},
@@ -327,8 +321,7 @@ REGIONS = {"region_sets": ["WEB", "HUB"], "region_widths_mm": [4, 20]}
         ),
         (
             {
-                "body_2": RING
-                | {"web_width_mm": 14, "rim_thickness_mm": 5, "web_offset_mm": 1},
+                "body_2": RING | {"web_width_mm": 14, "rim_thickness_mm": 5, "web_offset_mm": 1},
                 "pair__center_distance_mm": 99,
             },
             "body_2.web_width_mm",
@@ -359,6 +352,13 @@ def test_webs_and_hubs_that_cannot_be_get_one_line(
     changes: dict[str, Any], key: str, expected: str, found: str
 ) -> None:
     one_line(changes, key, expected, found)
+
+
+def test_cams_are_plane() -> None:
+    with pytest.raises(fl.SceneError) as caught:
+        fl.Scene.from_dict(tree_of("cam", {"effects__dimension": 3}))
+    assert caught.value.key == "body_1.kind"
+    assert caught.value.expected.startswith("'gear', 'ring', 'mesh', 'compliance' or a spline")
 
 
 def test_webs_and_hubs_have_places_along_the_axis() -> None:

@@ -54,7 +54,7 @@ TORQUES = "a number from 0 to 1e+12 or a non-empty list of numbers from 0 to 1e+
             "the unknown key 'wind'",
         ),
         (
-            {"body_2": {"kind": "compliance", "file": "a.npz", "topography_file": "a.csv"}},
+            {"body_2": {"kind": "spline_hub", "topography_file": "a.csv"}},
             "body_2.topography_file",
             "no such key, since this version does not simulate measured topographies",
             "'a.csv'",

@@ -218,9 +218,9 @@ def test_check_prints_questions(
         "tooth_helix_slope_um",
     ],
 )
-def test_lead_modifications_of_a_file_suggest_no_profile_crowning(key: str) -> None:
+def test_lead_modifications_of_a_cam_suggest_no_profile_crowning(key: str) -> None:
     with pytest.raises(fl.SceneError) as caught:
-        fl.Scene.from_dict(changed(body_2={"kind": "compliance", "file": "a.npz", key: 5}))
+        fl.Scene.from_dict(changed(body_2={"kind": "cam", key: 5}))
     assert caught.value.key == f"body_2.{key}"
     assert caught.value.expected == (
         "no such key, since this version does not simulate lead modifications, which are "

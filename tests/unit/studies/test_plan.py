@@ -394,7 +394,7 @@ def test_compliance_files_have_no_three_dimensions() -> None:
         "three_dimensions"
     )
     assert not row.possible
-    assert "'gear', 'ring', 'mesh' or a spline" in (row.unknown or "")
+    assert "body_1.kind: expected a body with finite elements" in (row.unknown or "")
 
 
 def test_a_helical_pair_is_held_against_its_transverse_section() -> None:

@@ -49,6 +49,9 @@ class ModalCompliance:
         Tip rounding or chamfer, to which the last modes belong.
     turned : (z, p) array, or (f * f, p) array; or None
         Response to a tangential unit force at a sharp tip, mm²/N.
+    axial_degree : int or None
+        Degree of the modes along the axis of a body in three dimensions, whose compliance is that
+        of the whole width, mm/N; None in the plane.
     """
 
     file: Path
@@ -62,11 +65,18 @@ class ModalCompliance:
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
     tip: Tip | None = None
     turned: Floats | None = None
+    axial_degree: int | None = None
+
+    @property
+    def modes_per_place(self) -> int:
+        """Number of modes along the axis for each mode along the profile; 1 in the plane."""
+        return 1 + (self.axial_degree or 0)
 
     @property
     def description(self) -> str:
         """One line for a report."""
-        return f"{self.smooth.shape[1]} pressure modes from {self.file.name}, plane {self.plane}"
+        extent = f"plane {self.plane}" if self.axial_degree is None else "three-dimensional"
+        return f"{self.smooth.shape[1]} pressure modes from {self.file.name}, {extent}"
 
 
 @dataclass(frozen=True)

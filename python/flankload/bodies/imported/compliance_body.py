@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flankload.base.files import path_of
+from flankload.base.rounding import TIE
 from flankload.bodies.body import checked_pitch_errors
 from flankload.bodies.imported import modal_file, nodal_file
 from flankload.errors import SceneError
@@ -16,6 +17,7 @@ from flankload.scene.involute import LARGEST_PITCH_ERROR
 
 if TYPE_CHECKING:
     from flankload.bodies.body import Body
+    from flankload.meshes.io.named_arrays import NamedArrays
     from flankload.scene import ComplianceBody
 
 #: Latest version and reader of each file format.
@@ -25,8 +27,10 @@ READERS = {
 }
 
 
-def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Body:
-    """Build a body from a compliance file.
+def build_compliance_body(
+    spec: ComplianceBody, key: str, *, folder: Path, ends_mm: tuple[float, float] | None
+) -> Body:
+    """Build a body from a compliance file; `ends_mm`: ends of its width in three dimensions.
 
     Raises
     ------
@@ -43,6 +47,13 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
             "version", f"at most {latest}, the latest version that this flankload reads", version
         )
     body = read(found)
+    _check_width(found, body, ends_mm)
+    slopes = spec.tooth_helix_slope_um
+    if slopes and len(slopes) != body.teeth:
+        expected = f"one entry per tooth: {body.teeth}, as in {found.file.name}"
+        raise SceneError(
+            key=f"{key}.tooth_helix_slope_um", expected=expected, found=f"{len(slopes)} entries"
+        )
     named = checked_pitch_errors(spec.pitch_errors_um, body.teeth, key)
     errors = named or body.pitch_errors_um
     largest = LARGEST_PITCH_ERROR * 2000 * pi * body.reference_radius_mm / body.teeth
@@ -59,3 +70,20 @@ def build_compliance_body(spec: ComplianceBody, key: str, *, folder: Path) -> Bo
         pitch_errors_um=errors,
         imported=None if spec.rigid else body.imported,
     )
+
+
+def _check_width(found: NamedArrays, body: Body, ends_mm: tuple[float, float] | None) -> None:
+    """Check that the file has a plane body in the plane, else a solid one of the same width."""
+    if ends_mm is None:
+        if not body.axial.plane:
+            expected = "nothing, since the scene is plane (effects.dimension = 3 makes it "
+            expected += "three-dimensional)"
+            found.refuse("face_width_mm", expected, f"{body.axial.width_mm:g}")
+        return
+    width = ends_mm[1] - ends_mm[0]
+    if body.axial.plane:
+        expected = f"{width:g}, as flankload compliance writes it for a three-dimensional scene"
+        found.refuse("face_width_mm", expected, "nothing: the compliance of a plane body")
+    if abs(body.axial.width_mm - width) > TIE * width:
+        expected = f"{width:.9g}, the face width of the body in the scene"
+        found.refuse("face_width_mm", expected, f"{body.axial.width_mm:.9g}")

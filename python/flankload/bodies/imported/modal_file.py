@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.bodies.axial_shape import PLANE_SHAPE, AxialShape
 from flankload.bodies.body import Body
 from flankload.bodies.imported.compliance import (
     CORNER_ANGLES,
@@ -22,28 +23,32 @@ from flankload.bodies.imported.compliance import (
 from flankload.bodies.profile.involute import Involute
 from flankload.bodies.tip_modes import LEAST_TIP_MODES, Tip
 from flankload.flank import FlankCurve
-from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH
+from flankload.scene.table import LARGEST_LENGTH, MOST_TEETH, SMALLEST_LENGTH
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
     from flankload.meshes.io.named_arrays import NamedArrays
 
 FORMAT = "flankload flank compliance"
-#: Latest version, for bodies with a free corner or a rounded or chamfered tip. Other files have
-#: version 2, or without friction version 1, which earlier versions of flankload can read.
-VERSION = 3
+#: Latest version, for bodies in three dimensions. Plane bodies with a free corner or a rounded or
+#: chamfered tip have version 3, others version 2, or without friction version 1.
+VERSION = 4
 
+#: Names of the arrays of a body in three dimensions.
+AXIAL = ("face_width_mm", "axial_degree", "twist_rad_per_mm")
 #: Names of the arrays, without those of the involute.
 NAMES = (
     "format", "version", "kind", "teeth", "young_modulus_MPa", "poisson_ratio", "plane",
     "curve_breaks", "curve_coefficients", "curve_labels", "curve_corners", "mode_range_mm",
     *CORNER_ANGLES, "tip_modes", "turned", "smooth", "kernel", "smooth_nt", "kernel_nt",
     "asymmetry", "reference_radius_mm", "flank_angle_known", "pitch_errors_um", "flanks",
-    "flank_turns_rad", "named_teeth", "outline", "bore_radius_mm", "notes",
+    "flank_turns_rad", "named_teeth", "outline", "bore_radius_mm", "notes", *AXIAL,
 )  # fmt: skip
 #: Fields of `Involute`, by their names in the file.
 INVOLUTE = {f"involute_{field.name}": field for field in fields(Involute)}
 
+#: Largest degree of modes along the axis, and rotation of the section along it, rad/mm.
+LARGEST_DEGREE, LARGEST_TWIST = 60, 10.0
 #: Largest gap between intervals of the curve, mm.
 LARGEST_JUMP = 1e-6
 #: Largest deviation of the curve's speed from 1, its value for arc length.
@@ -91,7 +96,17 @@ def read_modal(found: NamedArrays) -> Body:
         flank_turns_rad=tuple(turns.tolist()),
         named_teeth=named,
         imported=imported,
+        axial=_read_axial(found),
     )
+
+
+def _read_axial(found: NamedArrays) -> AxialShape:
+    """Width and helix of a body in three dimensions, about the middle of its width."""
+    if not any(name in found for name in AXIAL):
+        return PLANE_SHAPE
+    half = 0.5 * found.number("face_width_mm", least=SMALLEST_LENGTH, most=LARGEST_LENGTH)
+    twist = found.number("twist_rad_per_mm", least=-LARGEST_TWIST, most=LARGEST_TWIST)
+    return AxialShape((-half, half), twist)
 
 
 def _read_per_tooth(found: NamedArrays, name: str, teeth: int) -> Floats:
@@ -111,6 +126,13 @@ def _read_compliance(
     if smooth.shape[1] != smooth.shape[2] or not smooth.shape[1]:
         found.refuse("smooth", f"an array of shape ({blocks}, p, p), p >= 1", f"{smooth.shape}")
     tangential, jump = _read_tangential(found, smooth.shape)
+    degree = None
+    if any(name in found for name in AXIAL):
+        degree = found.integer("axial_degree", least=0, most=LARGEST_DEGREE)
+        if smooth.shape[1] % (degree + 1):
+            expected = f"a multiple of {degree + 1} modes, as many as along the axis"
+            found.refuse("smooth", expected, smooth.shape[1])
+    along = smooth.shape[1] // (1 + (degree or 0))
     return ModalCompliance(
         file=found.file,
         plane=found.text("plane", "strain", "stress"),
@@ -121,7 +143,8 @@ def _read_compliance(
         tangential=tangential,
         jump=jump,
         corner_angles_deg=read_corner_angles(found),
-        tip=_read_tip(found, *ends_mm, smooth.shape[1]),
+        tip=_read_tip(found, *ends_mm, along),
+        axial_degree=degree,
         turned=found.numbers("turned", *smooth.shape[:2]) if "turned" in found else None,
     )
 

@@ -112,8 +112,10 @@ def _inward(
     if isinstance(spec, SplineHub) and spec.root_fillet_radius_mm is None:
         spec = structs.replace(spec, root_fillet_radius_mm=SPLINE_FILLET * spec.module_mm)
     profile, outer_radius = ring_profile(spec, key), 0.5 * spec.outer_diameter_mm
-    radii = {} if isinstance(spec, SplineHub) else spec.region_radii(
-        profile.involute.root_radius_mm, key
+    radii = (
+        {}
+        if isinstance(spec, SplineHub)
+        else spec.region_radii(profile.involute.root_radius_mm, key)
     )
     if spec.rigid:
         return profile, outer_radius, None

@@ -45,6 +45,9 @@ from flankload.scene.usual import question_notes
 #: Largest distance between flanks with angles from files, relative to the pitch; a larger distance
 #: indicates another tooth or centre distance.
 LARGEST_FLANK_DISTANCE = 0.25
+#: Largest relative difference of the leads per tooth of bodies from files: that of helix angles
+#: that differ by 1e-6 degrees.
+LEAD = 1e-6
 #: Least deviation from the involute of a modified flank from a file, um.
 LEAST_DEVIATION_UM = 1e-3
 
@@ -175,6 +178,7 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     if one.plane:
         return plane_slice(scene.pair.face_width_mm)
     check_hands(one.hand_sign, two.hand_sign, inward=bodies[1].outward < 0)
+    _check_lead(scene, bodies)
     if pairing.fit is not None:
         return _coupling_slices(scene, bodies, (one, two))
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
@@ -193,6 +197,22 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
             gap_by_misalignment(angles[0], -angles[1], pressure_angle),
         )
     return slices_of_mesh(scene, (one, two), misalignment)
+
+
+def _check_lead(scene: Scene, bodies: tuple[Body, Body]) -> None:
+    """Check that helices from compliance files have the same lead per tooth."""
+    one, two = bodies
+    expected = -two.outward * one.axial.twist_rad_per_mm * one.teeth / two.teeth
+    found = two.axial.twist_rad_per_mm
+    for name in ("body_2", "body_1"):
+        if getattr(scene, name).brings_compliance and abs(found - expected) > LEAD * abs(expected):
+            raise SceneError(
+                file=scene.file,
+                key=f"{name}.file",
+                expected=f"a pair of helices that turn body_2 by {expected:.8g} rad/mm (parallel "
+                "axes)",
+                found=f"{found:.8g}",
+            )
 
 
 def slices_of_mesh(

@@ -9,7 +9,6 @@ from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.protocol import ComplianceFile, MeshFile
-from flankload.scene.effects import require_plane
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
@@ -49,7 +48,6 @@ def compliance_files(scene: Scene) -> Iterator[ComplianceFile]:
     if scene.effects.near_field == "nodes":
         expected = "'analytic': the files hold pressure modes"
         refuse("effects.near_field", expected, "'nodes'", scene.file)
-    require_plane(scene, "the files hold the compliance of plane bodies")
     pair = build_bodies(scene)
     yield from files_of_compliances(scene, pair.names, pair.bodies)
 
@@ -57,16 +55,18 @@ def compliance_files(scene: Scene) -> Iterator[ComplianceFile]:
 def files_of_compliances(
     scene: Scene, names: Sequence[str], bodies: Sequence[Body]
 ) -> Iterator[ComplianceFile]:
-    """Compliances of plane bodies."""
+    """Compliances of bodies."""
     for name, body in zip(names, bodies, strict=True):
         if body.rigid:
             yield ComplianceFile(name, None, "rigid, so it has no compliance")
             continue
         found = compliance_of(body, scene)
         arrays = modal_arrays(body, found, plane=scene.accuracy.plane)
+        shape = body.axial
+        extent = f"plane {scene.accuracy.plane}" if shape.plane else f"{shape.width_mm:g} mm wide"
         words = (
             f"{body.teeth} teeth, {found.smooth.shape[1]} pressure modes, "
-            f"plane {scene.accuracy.plane}{_less_than_whole(scene)}"
+            f"{extent}{_less_than_whole(scene)}"
         )
         yield ComplianceFile(name, arrays, words)
 

@@ -16,7 +16,7 @@ from flankload.scene.effects.records import (
     switches_of,
     work_in,
 )
-from flankload.scene.effects.switches import MODIFICATIONS, RELIEF_PLACES, is_spatial, require_plane
+from flankload.scene.effects.switches import MODIFICATIONS, RELIEF_PLACES, is_spatial
 
 __all__ = [
     "EFFECTS",
@@ -31,7 +31,6 @@ __all__ = [
     "excluded_by",
     "is_spatial",
     "known_effects",
-    "require_plane",
     "switches_of",
     "work_in",
 ]

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from flankload.errors import SceneError
 from flankload.scene.axial import LEAD_KEYS, MISALIGNMENTS, AxialKeys, three_dimensional_key
 from flankload.scene.belt import Pulley
 from flankload.scene.effects.record import Switch, as_key
@@ -50,24 +49,6 @@ def is_spatial(scene: Scene) -> Switch:
     """Whether the bodies are three-dimensional, and the first key that requires it."""
     key, named = three_dimensional_key(scene), scene.effects.dimension is not None
     return Switch(key is not None, key or "nothing varies along the axis", named)
-
-
-def require_plane(scene: Scene, reason: str) -> None:
-    """Refuse a three-dimensional scene.
-
-    Raises
-    ------
-    SceneError
-        If it is one; names the reason and the key that makes it three-dimensional.
-    """
-    switch = is_spatial(scene)
-    if switch.on:
-        raise SceneError(
-            key="effects.dimension",
-            expected=f"a plane scene, since {reason} ({switch.because})",
-            found="a three-dimensional scene",
-            file=scene.file,
-        )
 
 
 def _bodies(scene: Scene) -> tuple[tuple[str, Any], ...]:

@@ -178,8 +178,9 @@ class _StudyRuns:
         """Other models at the default, with finer elements, and at more positions."""
         base, ladders = self.refinements.base, self.refinements.ladders
         if self.refinements.spatial:
-            plane = NamedDiscretization("plane", base.flank_element_mm, base.modes)
-            yield "plane", replace(plane, count=base.count)
+            if not (self.scene.body_1.brings_compliance or self.scene.body_2.brings_compliance):
+                plane = NamedDiscretization("plane", base.flank_element_mm, base.modes)
+                yield "plane", replace(plane, count=base.count)
             length = base.flank_element_mm and STEPS[ELEMENTS].coarse * base.flank_element_mm
             yield "coarse", replace(base, flank_element_mm=length, **COARSE)
         if can_lump(self.scene):
