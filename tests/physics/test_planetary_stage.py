@@ -554,3 +554,9 @@ def test_a_planet_with_much_clearance_carries_nothing():
     np.testing.assert_allclose(found.planet_load_share, expected, atol=1e-3)
     turned = 2.0 * 10.0 * np.cos(np.radians(20.0))
     np.testing.assert_allclose(touching.transmission_error_um, turned, rtol=SQUARES)
+
+
+def test_files_name_planets():
+    """Heads said "pair" for planets."""
+    found = stage(positions={"count": None, "angles_deg": [1.8]})
+    assert found.to_xarray()["site"].attrs["long_name"] == "planet number"

@@ -260,7 +260,7 @@ def _dataset(result: Result) -> Any:
         },
         coords={
             "position": ("position", angle, {"units": "rad"}),
-            "site": ("site", result.sites, {"long_name": "pair number"}),
+            "site": ("site", result.sites, {"long_name": f"{result.engagement.site_word} number"}),
             "slice": ("slice", result.slice_z_mm, {"units": "mm"}),
         },
         attrs={

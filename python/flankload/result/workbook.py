@@ -134,9 +134,9 @@ def _quantities(results: Sequence[Result]) -> Iterator[tuple[str, list[Row]]]:
             heads = [_torque(result, unit) for result in results]
             yield key, _rows(results, heads, zip(*columns, strict=True))
     sites = sorted({int(site) for result in results for site in result.sites})
-    over = [over_sites(result) for result in results]
+    over, word = [over_sites(result) for result in results], results[0].engagement.site_word
     for key, unit in units_of(over, OVER_SITES).items():
-        heads = [f"pair {j}, {_torque(result, unit)}" for result in results for j in sites]
+        heads = [f"{word} {j}, {_torque(result, unit)}" for result in results for j in sites]
         both = zip(results, over, strict=True)
         columns = [site_column(*one, key, j) for one in both for j in sites]
         yield key, _rows(results, heads, zip(*columns, strict=True))
@@ -144,7 +144,7 @@ def _quantities(results: Sequence[Result]) -> Iterator[tuple[str, list[Row]]]:
         in_slices = [over_slices(result) for result in results]
         for key, (_, unit) in in_slices[0].items():
             heads = [
-                f"pair {j}, z {z:.6g} mm, {_torque(result, unit)}"
+                f"{word} {j}, z {z:.6g} mm, {_torque(result, unit)}"
                 for result in results
                 for j in result.sites
                 for z in result.slice_z_mm
