@@ -25,7 +25,7 @@ ROW_TOLERANCE = 10 * EPS
 
 
 def stored(name: str) -> Problem:
-    """A problem with all the digits it was found with."""
+    """A stored problem with all its digits."""
     with np.load(DATA / f"{name}.npz") as file:
         return Problem(*(file[key] for key in ("K", "g0", "B", "R", "Q")))
 
@@ -133,7 +133,7 @@ def test_a_lever_of_rounding_holds_a_load(method: str) -> None:
     ],
 )
 def test_levers_far_apart_are_solved(make: Callable[..., Trial], seed: list[int]) -> None:
-    """Positive definite K and loads that forces hold: a state exists, whatever the levers are."""
+    """With positive definite K and feasible loads, a state exists for any levers."""
     problem = make(np.random.default_rng(seed)).problem
     for method in METHODS:
         solve_and_judge(problem, method)
@@ -141,7 +141,7 @@ def test_levers_far_apart_are_solved(make: Callable[..., Trial], seed: list[int]
 
 @pytest.mark.parametrize("method", METHODS)
 def test_torque_minus_zero_is_torque_zero(method: str) -> None:
-    """It was refused as a motion that no pair holds."""
+    """Regression: it was refused as an unconstrained motion."""
     matrix = np.array([[2.0, 1.0], [1.0, 2.0]])
     for gaps in ([0.1, 0.2], [-0.3, 0.2]):
         plus, minus = (
@@ -160,7 +160,7 @@ def test_the_fuzz_finds_nothing_in_a_few_problems_of_each_kind() -> None:
 
 
 def test_the_fuzz_notices_wrong_answers(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A refusal, a force that is off by 1e-12, a uniqueness that is none, another exception."""
+    """Wrong refusals, forces wrong by 1e-12, wrong uniqueness and other exceptions are detected."""
     root = np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 1.0], [0.0, 1.0, 2.0]])
     ones = np.ones((3, 1))
     trial = Trial(Problem(root, np.array([0.0, 0.1, 0.0]), ones, ones, np.array([1.0])), True)

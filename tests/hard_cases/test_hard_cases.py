@@ -75,7 +75,7 @@ def hold(verdict: Verdict, state: fl.ContactState) -> None:
 def no_state(
     matrix: np.ndarray, row: list[float], gaps: list[float], torque: float, method: str
 ) -> errors.NoContactState:
-    """The refusal, the same from any guess; by trying all sets of pairs there is no state."""
+    """The same refusal from any guess, confirmed by trying all sets of pairs."""
     levers = np.ones(len(gaps))
     assert not brute_force(matrix, np.asarray(gaps), levers, np.asarray(row), torque)
     for warm in guesses(len(gaps)):

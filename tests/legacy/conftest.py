@@ -13,7 +13,7 @@ from tests.support.programs import BUILD, ROOT, alone
 
 @pytest.fixture(scope="session")
 def prefix() -> Path:
-    """Where the library is installed."""
+    """Folder of the installed library."""
     target = BUILD / "prefix"
     with alone():
         subprocess.run([ROOT / "dev", "install", target], check=True, capture_output=True)

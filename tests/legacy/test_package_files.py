@@ -69,7 +69,7 @@ def test_pkg_config_requires_openblas(prefix, environment) -> None:
 
 
 def test_two_builds_give_the_same_bytes(prefix) -> None:
-    """That of the Python package and that without Python, in folders of their own."""
+    """Builds of the Python package and of the library alone, in separate folders."""
     built = "fortran/libflankload.a.p"
     one, two = (
         {path.name: path.read_bytes() for path in (folder / built).glob("*.o")}

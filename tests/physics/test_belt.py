@@ -181,7 +181,7 @@ def test_land_is_a_spring_in_series_with_the_cord() -> None:
 
 
 def test_prestress_stiffens_cord_and_teeth() -> None:
-    """Of the other program: EA/EA_eff 1.56 to 1.40, k_t 84 to 90."""
+    """Another program: EA/EA_eff 1.56 to 1.40, k_t 84 to 90."""
     plain, taut = (
         spring_row(T10, response(strip, 3, lands=False))
         for strip in (T10, replace(T10, prestress_N_per_mm=FORCE))

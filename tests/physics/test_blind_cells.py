@@ -105,7 +105,7 @@ def test_many_turns_name_every_tooth_once(teeth: tuple[int, int]) -> None:
 
 
 def test_cells_stay_few_at_a_kink_or_a_rounding() -> None:
-    """Cells were a part of the osculating half-width: thousands of them beside a small rounding."""
+    """Regression: cells followed from the local curvature, thousands of them beside a rounding."""
     scene = {
         "body_1": {
             **{"kind": "gear", "teeth": 29, "module_mm": 3.0, "profile_shift": 0.1},

@@ -93,7 +93,7 @@ def test_long_arm_does_not_bend_the_gap() -> None:
 
 
 def test_flat_over_a_hollow_goes_from_nose_to_nose() -> None:
-    """Where the flat lies on two noses both carry; forces and rotation have no jump."""
+    """If the flat lies on two noses, both carry load; forces and rotation do not jump."""
     _, pair, _ = solved(waves(), FLAT_FOLLOWER, {"rigid": True}, positions={"count": 1})
     low, high = 63.0, 65.0
     before, after = (place(pair, angle) for angle in (low, high))

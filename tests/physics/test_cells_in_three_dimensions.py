@@ -63,7 +63,7 @@ def solve(name: str, *, contact: str = "pairs", **changes: Any) -> fl.Result:
 
 @pytest.mark.parametrize("crown_radius", [2000.0, 50.0, 16.0])
 def test_the_ellipse_of_hertz(crown_radius: float) -> None:
-    """31, 3.3 and 1.6 times as long as wide; the last one is no line any more."""
+    """Ellipses 31, 3.3 and 1.6 times as long as wide, the last of which is no line contact."""
     force, radius = 3000.0, 8.0
     wanted = hertz_ellipse(force, radius, crown_radius)
     edges = np.linspace(-1.15, 1.15, 32) * wanted.large

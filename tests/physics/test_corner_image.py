@@ -68,7 +68,7 @@ STRAIGHT = Parts()
 
 @cache
 def of_band(name: str) -> dict[int, tuple[float, float]]:
-    """By modes, error of the mean displacement of the loaded band, with and without image, %."""
+    """Error of the mean displacement of the loaded band by modes, with and without image, %."""
     spec = Gear(**{key: value for key, value in GEARS[name].items() if key != "kind"})
     body = build_involute_body(spec, "body_1", flank_element_mm=0.5, flank_nodes_mm=ELEMENT)
     mesh, span = body.mesh, body.mode_range_mm

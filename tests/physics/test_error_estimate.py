@@ -159,7 +159,7 @@ def test_every_source_is_named() -> None:
 
 
 def test_peak_of_a_pair_that_carries_alone_has_an_estimate() -> None:
-    """No share can change there, so that the peak itself gives the modes."""
+    """Its load share is constant, so the error of modes follows from the peak itself."""
     scene = {**PAIR, "positions": {"angles_deg": [-3.0, 1.0, 4.0]}}
     found = solve(fl.Scene.from_dict(scene))
     finer = Discretization(DEFAULT.flank_element_parts / 3, 8, Grid(20.0, 60.0))
@@ -272,7 +272,7 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
 
 
 def test_a_comparison_without_states_leaves_out_its_source_only() -> None:
-    """It ended the run: contacts of half as many slices may not converge where all do."""
+    """Regression: the run ended if half as many slices did not converge."""
     scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
     pair = build_bodies(scene)
     compliances = tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2))
@@ -297,7 +297,7 @@ def test_a_comparison_without_states_leaves_out_its_source_only() -> None:
 
 
 def test_the_error_of_the_largest_pressure_is_beside_it() -> None:
-    """That of the worst position stood there, where a pair carries a few percent of the load."""
+    """Regression: the error of the worst position was shown, with a pair of little load."""
     found = solve(fl.Scene.from_dict({**PAIR, "positions": {"count": 16}}))
     assert isinstance(found, fl.Result)
     assert found.estimate is not None
@@ -310,7 +310,7 @@ def test_the_error_of_the_largest_pressure_is_beside_it() -> None:
 
 
 def test_pressure_on_a_rounding_is_uncertain() -> None:
-    """Regression: errors up to 14 times the estimate were within a tolerance by the report."""
+    """Regression: the tolerance was reported as met with errors of 14 times the estimate."""
     bodies = {name: {**PAIR[name], "tip_radius_mm": 0.2} for name in ("body_1", "body_2")}
     found = [
         solve(fl.Scene.from_dict({**PAIR, **bodies, "positions": {"angles_deg": [angle]}})).estimate

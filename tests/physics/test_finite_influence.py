@@ -107,7 +107,7 @@ class Flank:
 
 
 def cut(line: np.ndarray, radius: float, near: int) -> np.ndarray:
-    """Where a polyline, its ends prolonged, cuts a circle: of all cuts the one next to a point."""
+    """Intersection of an extended polyline with a circle: the one closest to a point."""
     one, along = line[:-1], np.diff(line, axis=0)
     a, b = np.sum(along**2, axis=1), np.sum(one * along, axis=1)
     root = np.sqrt(np.maximum(b**2 - a * (np.sum(one**2, axis=1) - radius**2), 0.0))

@@ -310,7 +310,7 @@ def test_rounded_tips_and_active_flanks_alone() -> None:
 
 @pytest.mark.parametrize("twist", [100.0, -150.0])
 def test_places_are_found_where_the_metal_removed_changes_much(twist: float) -> None:
-    """The flank's s is not its arc length: one step along its tangent is no longer exact."""
+    """s is not the arc length of this flank, so one step along its tangent is not exact."""
     found = solve(body_1__profile_twist_um=twist)
     twist_per_mm = pinion().axial.twist_rad_per_mm
     for p in range(found.position_rad.size):

@@ -79,7 +79,7 @@ def test_the_bearings_of_an_idler_carry_both_meshes(angle):
 
 
 def test_the_layout_of_an_idler_moves_the_phase_of_its_second_mesh():
-    """A pitch of the idler is 360/27 deg: by it the second mesh of a rigid one is where it was."""
+    """Turned by a pitch of the idler, 360/27 deg, the second mesh of a rigid idler is the same."""
     keys = {"angles": [1.0, 4.0], "rigid": "body_3"}
     one, other, half = (
         train("idler", 20.0, 20, 33, 27, angle_deg=120.0 + 360.0 / 27 * part, **keys)

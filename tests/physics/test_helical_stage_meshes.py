@@ -72,7 +72,7 @@ def stage(level: float, hand: int = 1, diagonal: tuple[float, ...] = (0.0,) * 6)
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_torques_of_a_helical_stage(level: float) -> None:
-    """Ring M z_r/z_s and no moment on the planet, whatever the elasticity."""
+    """With any elasticity: torque M z_r/z_s on the ring, no moment on the planets."""
     states = stage(level, diagonal=(3e-6, 2e-6, 1e-6, 1e-8, 1e-8, 0.0))
     sun, planet, ring = states.resultant[0, 0]
     assert sun[2] == pytest.approx(-TORQUE, rel=EXACT)

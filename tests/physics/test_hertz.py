@@ -10,7 +10,7 @@ from tests.support.pressed_cylinders import CASE, LEVER, contact
 
 
 def half_width(state) -> float:
-    """Where the parabola through the squared pressures ends: half-width to better than a cell."""
+    """Half-width from the zero of the parabola through the squared pressures, within a cell."""
     _, table = state.pairs.at(0)
     x, squared = table[:, 3] - LEVER, (table[:, 7] / table[:, 8]) ** 2
     inside = np.abs(x) < 0.8 * np.abs(x[squared > 0]).max()

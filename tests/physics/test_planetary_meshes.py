@@ -75,7 +75,7 @@ def even(n: int, start: float = 0.0) -> list[float]:
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_torques_follow_from_the_tooth_numbers(level: float) -> None:
-    """Whatever the elasticity: ring M z_r/z_s, no moment on the planet, pin twice the force."""
+    """With any elasticity: M z_r/z_s on the ring, no moment on planets, pins twice the force."""
     states = stage(level, [0.4], pin=3e-6)
     assert (states.status == 0).all()
     sun, planet, ring = states.resultant[0, 0]

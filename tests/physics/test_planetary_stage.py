@@ -307,7 +307,7 @@ def test_without_load_the_sun_turns_until_it_is_held(floating, part):
     ],
 )
 def test_two_planets_carry_all(floating, errors, torque, at):
-    """Lumped contacts of the free planets were left out, or had no levers under tiny forces."""
+    """Regression: lumped contacts of free planets were omitted or had no levers."""
     found = stage(
         positions={"count": None, "angles_deg": [at]},
         load={"torque_Nm": torque},
@@ -317,7 +317,7 @@ def test_two_planets_carry_all(floating, errors, torque, at):
 
 
 def test_the_work_of_the_elements_is_predicted():
-    """It was 0, so that a plan had no time for them."""
+    """Regression: it was 0, so a plan predicted no time for them."""
     bolts = {"ring_support": "bolts", "bolts": 8, "bolt_stiffness_N_per_um": 100}
     scene = scene_of(positions={"count": 1}, stage=bolts)
     stages = fl.solve(scene).cost["stages"]
@@ -378,7 +378,7 @@ def test_a_ring_on_bolts():
 
 
 def test_the_turning_picture_shows_all_bodies_and_a_spectrum_marks_orders():
-    """It showed the sun alone."""
+    """Regression: it showed the sun alone."""
     found = stage(positions={"count": 4})
     shown = turning([found])
     assert shown.numbers == (1, 2, 1, 1, 1, 1)
@@ -420,7 +420,7 @@ def test_planets_bend_to_both_sides_and_slide_in_both_meshes():
 
 
 def test_a_contact_that_just_opens_ends_the_passes():
-    """It touched as one under 2 % of the load and opened as a narrow one, in turn."""
+    """Regression: passes alternated between a wide closed and a narrow open contact."""
     pins = [3.8430450479977516, -5.150694656166997, -7.4430286744256, 4.6972221673278085]
     errors = {"pin_tangential_errors_um": pins, "pin_stiffness_N_per_um": 300}
     found = stage(

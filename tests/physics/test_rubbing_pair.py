@@ -149,7 +149,7 @@ def test_work_of_the_driver_is_that_of_the_driven_body_and_of_friction(
 
 
 def test_loss_follows_from_the_path_of_contact() -> None:
-    """Sliding speed g (1 + z1/z2) at a distance g from the pitch point, whatever the cells."""
+    """With any cells, the sliding speed at a distance g from the pitch point is g (1 + z1/z2)."""
     result = solved(0.1, "body_1", 32)
     base = 4.5 * 16 / 2 * np.cos(np.radians(20.0))
     way = base * (result.position_rad[:, None] + 2 * np.pi / 16 * result.sites)

@@ -58,7 +58,7 @@ def test_load_factors_do_not_depend_on_the_slices(
 
 
 def test_sharp_ends_are_marked_with_the_key_that_relieves_them(coarse: fl.Result) -> None:
-    """Pressures there were reported as if they had a limit."""
+    """Regression: pressures there were reported as finite values."""
     ends = (coarse.slice_line_load_N_per_mm[..., [0, -1]] > 0).any(axis=2)
     assert ends.any()
     assert coarse.corner_contact[ends].all()

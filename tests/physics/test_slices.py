@@ -227,7 +227,7 @@ def short(
 
 
 def test_a_large_torque_closes_slices_that_are_far_from_each_other() -> None:
-    """As many slices are loaded as where all of them are searched."""
+    """As many slices are loaded as with a search of all slices."""
     heavy, _ = short(twist=7e-3, torque=40.0 * TORQUE)
     loaded = (heavy.slices.force_N > 0).sum(axis=(1, 2))
     np.testing.assert_array_equal(loaded, [21, 22, 20, 20, 20, 20, 20, 21])
@@ -316,7 +316,7 @@ def test_a_gap_of_all_slices_is_a_pitch_deviation() -> None:
 
 @pytest.mark.parametrize(("twist", "mu"), [(0.0, None), (7e-3, None), (7e-3, 0.2)])
 def test_tangent_is_the_derivative(twist: float, mu: float | None) -> None:
-    """Of the rotation by the torque, with all that changes with the forces."""
+    """Derivative of the rotation by the torque, with all dependences on the forces."""
     step = 1e-4
     found, _ = short(twist=twist, mu=mu)
     more, _ = short(twist=twist, mu=mu, torque=TORQUE * (1.0 + step))

@@ -238,7 +238,7 @@ def test_both_flanks_of_a_planet():
 
 
 def test_each_mesh_has_an_estimate():
-    """It covers the change by twice as many slices; under no torque there is none."""
+    """It covers the change by twice as many slices; without torque there is no estimate."""
     scene = {"stage": TILTING, "load": {"torque_Nm": [0, 450]}}
     rough = solve(fl.Scene.from_dict(wide(**scene, accuracy={"estimate": True})))
     fine = stage(stage=TILTING, accuracy={"slices": 10})
@@ -435,7 +435,7 @@ def test_a_carrier_that_twists():
 
 
 def test_designs_of_a_helical_stage_share_their_positions():
-    """Crownings were divided by the levers of slices in place of those of the section."""
+    """Regression: crownings were divided by the levers of slices instead of the section."""
     scenes = [
         fl.Scene.from_dict(
             wide(body_1={"lead_crowning_um": 10.0}, stage={"pin_tangential_errors_um": [e, 0, 0]})
@@ -454,7 +454,7 @@ def test_designs_of_a_helical_stage_share_their_positions():
 
 
 def test_the_plane_section_of_a_helical_stage():
-    """Its planets were helical, so that the plan of a stage ended in an error."""
+    """Regression: its planets were helical, so the plan of a stage ended in an error."""
     keys = {"carrier": CARRIER, "pin_radial_inclinations_um_per_mm": [1.0, 0.0, 0.0]}
     scene = fl.Scene.from_dict(wide(stage=keys))
     section = toggled(scene, "three_dimensions", on=True).scene

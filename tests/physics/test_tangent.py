@@ -49,7 +49,7 @@ BEFORE = {
 
 @pytest.mark.parametrize("name", BEFORE)
 def test_secant_stiffness_counts_from_the_state_without_torque(name: str) -> None:
-    """It was torque over all rotation: 625 kN m/rad beside a tangent of 323 on a warm gear."""
+    """Regression: torque over all rotation, 625 kN m/rad beside a tangent of 323 on a warm gear."""
     scene, (changes, turned_um) = name.split(",")[0], BEFORE[name]
     tables = tomllib.loads((SCENES / f"{scene}.toml").read_text(encoding="utf-8"))
     for table, keys in changes.items():

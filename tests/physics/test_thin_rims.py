@@ -133,7 +133,7 @@ def test_check_names_the_support_of_the_bore() -> None:
 
 
 def test_the_rotation_is_that_of_the_mean_of_the_bore() -> None:
-    """Where the rim is as stiff as a disc: the twist between both circles, in closed form."""
+    """Twist between both circles in closed form, for a rim as stiff as a disc."""
     small, large = (solved(bore, "torque").rotation_rad for bore in (12.0, 24.0))
     shear = 206000.0 / 2.6
     twist = 100e3 / 40.0 / (4.0 * np.pi * shear) * (1.0 / 6.0**2 - 1.0 / 12.0**2)

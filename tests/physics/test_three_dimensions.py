@@ -183,7 +183,7 @@ OVER_A_PITCH = {"accuracy__slices": 16, "positions__count": 16}
 
 @cache
 def forces_on_both() -> dict[str, np.ndarray]:
-    """Of the pairs of all positions: force, levers and axial forces by the normal of each body."""
+    """Force, levers and axial forces of all pairs at all positions by the normal of each body."""
     found = solve(HELICAL, **OVER_A_PITCH)
     slope = np.tan(np.radians(15.0))
     radii = [3.0 * z / 2.0 / np.cos(np.radians(15.0)) for z in (25, 60)]
@@ -470,7 +470,7 @@ def test_copies_of_a_three_dimensional_result() -> None:
 
 @pytest.mark.parametrize("tips", ["relieved", "sharp"])
 def test_lumped_error_is_that_beside_cells(tips: str) -> None:
-    """Constants said 0.25 % and more, and too little at some sharp corners."""
+    """Regression: fixed estimates were 0.25 % and more, and too small at some sharp corners."""
     keys = ("tip_relief_um", "tip_relief_start_diameter_mm", "tip_relief_shape")
     bare = {f"body_{z}__{key}": None for z in (1, 2) for key in keys if tips == "sharp"}
     scene = {"accuracy__slices": 28, "positions__count": 16, **bare}

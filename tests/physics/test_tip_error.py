@@ -88,7 +88,7 @@ def errors(found: fl.Result) -> dict[str, float]:
 
 
 def test_a_pair_on_a_small_rounding_follows_forces_at_nodes(rounded: fl.Result) -> None:
-    """1.2 % of the rotation and 1.2 points of the share were missed by modes that end before it."""
+    """Modes that end before the rounding miss 1.2 % of the rotation and 1.2 points of the share."""
     true = errors(rounded)
     assert true["transmission_error"] < ROTATION_LEFT
     assert true["load_share"] < SHARE_LEFT
@@ -144,7 +144,7 @@ def test_dominant_source_may_be_tips() -> None:
 
 
 def test_peak_of_a_pair_that_has_just_begun_to_carry_may_be_a_multiple() -> None:
-    """It goes with the root of the force; the part of a share that is in doubt went with itself."""
+    """The peak is proportional to the root of the force, whose share is uncertain."""
     shares = np.array([[1.0 - 1e-4, 1e-4]])
 
     def sweep(shares: np.ndarray) -> Any:

@@ -125,7 +125,7 @@ def test_places_on_a_tip(tips: dict[str, float], ring: bool, left: float) -> Non
 
 
 def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
-    """It takes parts of the modes of flank and chamfer; fine elements take it as it is."""
+    """Modes of flank and chamfer, weighted with its parts, agree with fine elements under it."""
     tips = {"tip_chamfer_mm": 0.08 * MODULE}
     fine, coarse = made(tips, NODES * MODULE), made(tips)
     found = flank_compliance(coarse, JobOptions(n_modes=5, plane="strain"), sectors=1)

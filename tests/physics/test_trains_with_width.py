@@ -60,7 +60,7 @@ def alone(torque: float = TORQUE / 2, **pair: Any) -> fl.Result:
 
 
 def test_a_double_helical_pinion_that_is_free_along_its_axis():
-    """Both halves are pairs with half of the torque, whatever an error between them."""
+    """With any error between them, both halves are pairs with half of the torque."""
     found, half = halves(timing_error_um=20.0), alone()
     for number in (1, 2):
         mesh = found.train.mesh(number)

@@ -159,7 +159,7 @@ def test_bench_of_effects_knows_all_that_a_scene_can_call_for() -> None:
 
 
 def test_the_compiled_bench_of_a_sweep_is_handed_a_scene() -> None:
-    """Parts that it does not read (nodes, shifts) were refused."""
+    """Regression: parts that it does not read (nodes, shifts) were refused."""
     job = Job(fl.read_scene(ROOT / "examples" / "scenes" / "external_gear.toml"))
     numbers = _numbers(job, 3, 1000.0, job.bodies.discretization.grid)
     np.testing.assert_array_equal(numbers[:2], [3.0, 1000.0])

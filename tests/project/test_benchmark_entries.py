@@ -22,7 +22,7 @@ def test_the_pages_are_those_of_the_entries() -> None:
 
 
 def checked(**changed: Any) -> str:
-    """What the checker says on the template with other values."""
+    """Output of the checker for the template with other values."""
     try:
         CHECKER["check_entry"](Path("mine.json"), TEMPLATE | changed, CASES)
     except CHECKER["EntryError"] as error:

@@ -99,7 +99,7 @@ def test_the_page_of_examples_has_all_scenes_and_its_pictures() -> None:
 
 
 def test_compliance_files_of_the_example_are_those_of_its_gears() -> None:
-    """They were written by `flankload compliance`; where this fails, write them again."""
+    """`flankload compliance` wrote them; if this fails, write them again."""
     scenes = SCENES
     computed = solve(fl.read_scene(scenes / "external_gear.toml"))
     read = solve(fl.read_scene(scenes / "external_gear_compliance.toml"))

@@ -269,7 +269,7 @@ def _preload() -> Case:
 
 
 def contact_cases() -> dict[str, Case]:
-    """All of them by name."""
+    """All cases by name."""
     jump = "the middle pair touches first and then carries nothing: F = (5, 0, 5), rotation 91"
     cases = {
         f"three_flanks_{method}": _angles(THREE, [1, 0, 1], 10, method=method, why=jump)

@@ -40,7 +40,7 @@ def _sweep(**changes: Any) -> dict[str, Any]:
 
 
 def nodal_cases() -> dict[str, Case]:
-    """All of them by name."""
+    """All cases by name."""
     file = "examples/legacy_fortran/"
     return {
         "nodal_position": Case(

@@ -233,14 +233,14 @@ def _positions(tree: dict[str, Any]) -> str:
 
 
 def parents() -> dict[str, str]:
-    """Of which case each variant is one, by both names."""
+    """Name of the parent of each variant, by its name."""
     gears = dict.fromkeys(VARIANTS, "scene_external_gear")
     others = {name: parent for name, (parent, _) in OTHERS.items()}
     return {f"variant_{name}": parent for name, parent in (gears | others).items()}
 
 
 def scene_cases() -> dict[str, Case]:
-    """All of them by name, parents first."""
+    """All cases by name, parents first."""
     cases = {}
     for path in sorted(SCENES.glob("*.toml")):
         tree = _example(path)

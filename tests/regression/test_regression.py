@@ -53,7 +53,7 @@ def found_at(reference: dict[str, Any], places: list[float]) -> dict[str, np.nda
 
 @pytest.mark.parametrize(("name", "parent"), parents().items(), ids=parents())
 def test_variant_differs_from_its_parent(name: str, parent: str) -> None:
-    """Two were the plain gear in every digit: their keys affected none of its teeth."""
+    """Regression: two variants equalled the plain gear; their keys affected no tooth in mesh."""
     before, now = read_reference(parent), read_reference(name)
     if name in MORE_IS_SEEN:
         one, two = before["quantities"], now["quantities"]

@@ -41,7 +41,7 @@ def imbalance(result: fl.Result) -> float:
 
 
 def _meshes_of_body_1(drive: Any) -> list[fl.Result]:
-    """Those of the sun, of the driver of an idler, of a wheel, or of both halves of a pinion."""
+    """Meshes of the sun, of the driver of an idler, of a wheel, or of both halves of a pinion."""
     if drive.name == "stage":
         return list(drive.meshes[: len(drive.meshes) // 2])
     return list(drive.meshes[: 1 if drive.kind == "idler" else 2])

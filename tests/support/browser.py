@@ -95,7 +95,7 @@ class Browser:
         self.wait(ready)
 
     def requests(self) -> set[str]:
-        """Addresses that were asked for, but for those inside the page."""
+        """Requested addresses outside the page."""
         self.value("1")
         asked = (e["params"] for e in self.events if e["method"] == "Network.requestWillBeSent")
         urls = {one["request"]["url"] for one in asked}

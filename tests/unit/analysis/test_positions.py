@@ -154,7 +154,7 @@ def test_tighter_tolerance_costs_more_positions_and_leaves_less() -> None:
 
 
 def test_unloaded_involutes_need_no_more_positions() -> None:
-    """A transmission error of rounding has nothing to find."""
+    """A transmission error of the size of rounding has no features to resolve."""
     (found,) = solved("external_gear", (0.0,), adaptive=True)
     assert found.position_rad.size == 32
     assert found.cost["position_rounds"] == 1

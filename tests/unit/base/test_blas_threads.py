@@ -12,7 +12,7 @@ from flankload.base.blas_threads import one_blas_thread
 
 
 def numbers() -> set[int]:
-    """Of libraries with one number for the process; with OpenMP each thread has its own."""
+    """Counts of libraries with one count per process; with OpenMP each thread has its own."""
     found = [part for part in threadpool_info() if part["user_api"] == "blas"]
     return {part["num_threads"] for part in found if part["threading_layer"] != "openmp"}
 

@@ -158,7 +158,7 @@ def test_public_classes_come_back_as_they_are(way: str, examples: dict[str, Any]
 
 
 def _leaves(one: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """All that an object holds, with its place in it."""
+    """All objects inside an object, with their paths."""
     if isinstance(one, dict):
         for key, value in one.items():
             yield from _leaves(value, f"{place}[{key!r}]")

@@ -26,7 +26,7 @@ def test_a_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not ZERO.is_char_device(), reason="no /dev/zero here")
 def test_a_device_without_an_end_is_no_scene() -> None:
-    """All of it was read, until the memory was full."""
+    """Regression: the device was read until the memory was full."""
     with pytest.raises(SceneError) as refused:
         fl.read_scene(ZERO)
     expected = "a scene file to read, found a file larger than 64 million bytes"
@@ -34,7 +34,7 @@ def test_a_device_without_an_end_is_no_scene() -> None:
 
 
 def test_a_name_with_nul_is_no_traceback(tmp_path: Path) -> None:
-    """`open` raises ValueError; the scene was said to have a number of thousands of digits."""
+    """Regression: the ValueError of `open` was reported as a number of thousands of digits."""
     with pytest.raises(SceneError) as refused:
         fl.read_scene("a\0b.toml")
     found = "a\\x00b.toml: file: expected a scene file to read, found a name that no file can have"

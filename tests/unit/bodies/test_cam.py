@@ -336,7 +336,7 @@ def test_rate_is_the_change_of_the_angle(follower: dict, sense: str) -> None:
 
 @pytest.mark.parametrize("follower", [{}, FLAT_FOLLOWER], ids=["roller", "flat"])
 def test_follower_rests_where_it_first_touches(follower: dict) -> None:
-    """No place of the cam lies inside the follower, and one lies on it, whatever its hollows."""
+    """With any hollows, no point of the cam lies inside the follower, and one lies on it."""
     pair = pair_of(waves(), {**follower, **STIFF}, STIFF, positions={"count": 37}, **NO_LOAD)
     contacts = contacts_of(pair)
     places = pair.body_2.curve.point(np.linspace(0, pair.body_2.curve.length_mm, 20001))
@@ -591,7 +591,7 @@ def enclosed(nodes: np.ndarray, cells: tuple) -> float:
 
 
 def area_of(lever: Lever) -> float:
-    """Of the lever's contour less its bore."""
+    """Area of the contour of the lever without its bore."""
     from flankload.bodies.cam.follower import outline_of
 
     x, y = outline_of(lever, points=20001).T

@@ -182,7 +182,7 @@ def test_ring_around_its_pinion_comes_back(tmp_path: Path) -> None:
 
 
 def test_ring_from_nodes(tmp_path: Path) -> None:
-    """Where no tip carries: its rounding has no nodes in the file, so there is a corner instead."""
+    """Positions without tip contact: the file has a corner in place of the rounding."""
     tables = internal_tables()
     expected = solved(**tables)
     accuracy = {"estimate": False, "flank_element_mm": 0.1 * tables["body_1"]["module_mm"]}
@@ -332,7 +332,7 @@ def test_table_is_the_same_as_the_arrays(nodal: tuple[dict, dict], tmp_path: Pat
 def test_coupling_the_other_way_follows_from_betti(
     nodal: tuple[dict, dict], tmp_path: Path
 ) -> None:
-    """Teeth -1 and 1 see each other alike: naming one of them is enough, and all is no more."""
+    """Teeth -1 and 1 have the same influence: one of them in the file is sufficient."""
     near = [{**a, "offsets": np.array([0, 1]), "compliance": a["compliance"][:2]} for a in nodal]
     found, expected = with_nodal(tmp_path, *near), with_nodal(tmp_path, *nodal)
     np.testing.assert_allclose(found.rotation_rad, expected.rotation_rad, rtol=SOLVER, atol=0)

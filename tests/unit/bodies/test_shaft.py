@@ -118,7 +118,7 @@ def test_a_bearing_at_the_rounded_end_of_a_step() -> None:
 
 
 def test_a_gear_position_on_half_a_micrometre() -> None:
-    """Positions were rounded to 1 um in two ways: the gear was at another node, at a bearing."""
+    """Regression: positions were rounded to 1 um in two ways, which moved the gear to a bearing."""
     shaft = {"diameters_mm": [25.0], "lengths_mm": [100.0], "bearing_positions_mm": [10.0, 90.0]}
     between = made(**shaft, gear_position_mm=20.0045)
     below, above = (made(**shaft, gear_position_mm=20.0045 + d).compliance for d in (-1e-6, 1e-6))

@@ -32,7 +32,7 @@ def test_the_time_left_is_that_of_the_steps_so_far() -> None:
 
 
 def test_states_do_not_take_as_long_as_elements() -> None:
-    """A phase counts by itself: elements that take long say nothing about the states."""
+    """Each phase is extrapolated separately: slow elements do not imply slow states."""
     clock = Clock()
     left = TimeLeft(end_of_phase, now=clock)
     total = end_of_phase("compliance body 1", 0) + 100
@@ -48,7 +48,7 @@ def test_states_do_not_take_as_long_as_elements() -> None:
 
 
 def test_stages_of_three_bodies_follow_each_other() -> None:
-    """Stages were counted body 1 and body 2, so a planet would have had no progress."""
+    """Regression: only stages of bodies 1 and 2 were counted, not those of a planet."""
     seen: list[tuple[str, int]] = []
     names = ("body_1", "planet", "body_2")
     clock = StageClock(lambda stage, done, total: seen.append((stage, done)), names, 1, {})
@@ -101,7 +101,7 @@ def test_a_long_run_is_announced_once(capsys: pytest.CaptureFixture[str]) -> Non
 def test_redirected_progress_is_a_line_from_time_to_time(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where stderr is a file, a study of an hour said nothing until its end."""
+    """Regression: with stderr in a file, a study of an hour printed nothing until its end."""
     monkeypatch.setattr("flankload.cli.progress.LINE_S", 0.02)
     with Progress(wanted=True) as progress:
         progress.tell("12 of 600 designs, 2.0/s", 12, 600, 294.0)
@@ -119,7 +119,7 @@ def test_redirected_progress_is_a_line_from_time_to_time(
 
 
 def test_elements_in_three_dimensions_show_their_progress() -> None:
-    """Their elimination is most of a long run: without progress no time left were known."""
+    """Their elimination is most of a long run; the remaining time depends on its progress."""
     seen: list[tuple[str, int]] = []
     scene = fl.read_scene(SCENES / "helical_gear.toml").replace(
         {

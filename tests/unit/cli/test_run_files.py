@@ -117,7 +117,7 @@ def test_options_that_cannot_be_met_are_refused_before_the_run(
 def test_tables_without_stiffness_are_refused_before_the_run(
     scene: Path, capsys: pytest.CaptureFixture[str], option: str
 ) -> None:
-    """All other files were written first."""
+    """Regression: all other files were written before the refusal."""
     text = scene.read_text(encoding="utf-8")
     scene.write_text(text.replace("torque_Nm = 302", "torque_Nm = [0, 302]"), encoding="utf-8")
     path = scene.parent / "a"

@@ -231,7 +231,7 @@ def test_the_example_is_a_study(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 
 def test_progress_has_rate_and_time_left() -> None:
-    """Of the designs of this run: neither those of the store nor the slow first one count."""
+    """Stored designs and the slow first one are excluded from the rate."""
     rate_of = import_module("flankload.cli.designing")._Rate
     told: list[tuple[str, int, int, float | None]] = []
     said: list[str] = []

@@ -197,7 +197,7 @@ def test_refused_arguments_of_a_body(argument: int, changes: dict[str, Any]) -> 
     [(1, 0, 1), (2, 1, -1), (6, 5, 0), (9, 8, 0), (10, 9, 0), (15, 8, 100_000)],
 )
 def test_refused_sizes_of_a_body(argument: int, place: int, size: int) -> None:
-    """As C hands them over: f2py makes no such calls. Nothing is read beyond these arrays."""
+    """Calls as from C, which f2py cannot make. Nothing beyond these arrays is read."""
     sizes = dict(zip((0, 1, 5, 8, 9), (9, 3, SITES, MODES, BLOCKS), strict=True)) | {place: size}
     numbers, whole = np.arange(1000.0), np.zeros(1000, dtype=np.intc)
     info = np.zeros(1, dtype=np.intc)
@@ -388,7 +388,7 @@ def test_slices_need_both_bodies_over_their_width() -> None:
 
 
 def test_slices_have_shifts_but_no_finite_forces() -> None:
-    """The state says so: it has a status of its own."""
+    """The state has a status for this."""
     axial = ("axial", AXIAL)
     shift = ("shift", np.zeros(MODES * SITES))
     assert sliced_info([axial, EDGES], [axial], level=0.0) == 0
@@ -564,7 +564,7 @@ def test_a_rigid_body_needs_no_nodes() -> None:
 
 
 def test_columns_of_pairs_hold_what_they_say() -> None:
-    """Places on both arcs, unit normals, forces that make the torque, gaps where there is none."""
+    """Places on both arcs, unit normals, forces that balance the torque, gaps at unloaded pairs."""
     names = (*COLUMNS, *FRICTION_COLUMNS)
     room, mu = 200, 0.1
     site, table = np.zeros(room, dtype=np.intc), np.empty(room * len(names))

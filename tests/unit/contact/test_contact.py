@@ -218,7 +218,7 @@ def test_one_of_three_states_is_flagged() -> None:
 
 
 def test_a_problem_without_state_is_not_answered() -> None:
-    """Unsymmetric in its rows: b = (1, 1), m = (1, -1); by brute force there is no state."""
+    """An unsymmetric problem, b = (1, 1), m = (1, -1); brute force finds no state."""
     matrix = np.array([[2, 1], [1, 1.5]])
     assert not brute_force(matrix, np.zeros(2), np.ones(2), np.array([1.0, -1.0]), 1.0)
     for method in ("single", "block", "load_path"):

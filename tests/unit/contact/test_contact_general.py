@@ -197,7 +197,7 @@ def planet_carrier(planets: int, rng: np.random.Generator) -> tuple[np.ndarray, 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_three_planets_share_equally_where_the_sun_floats(seed: int) -> None:
-    """Three forces at 120 degrees balance only when they are equal, whatever the pins' errors."""
+    """With any errors of the pins, three forces at 120 degrees balance only if they are equal."""
     rng = np.random.default_rng(seed)
     compliance, levers = planet_carrier(3, rng)
     pins = 0.1 * rng.standard_normal(3)
@@ -362,7 +362,7 @@ def test_own_backward_error_where_influences_cancel() -> None:
 
 @pytest.mark.parametrize("method", ["auto", "single", "block", "load_path"])
 def test_no_load_on_several_motions(method: str) -> None:
-    """No force at all, not even of rounding, at a motion that touches where it may."""
+    """All forces are exactly zero, and the motion is one at which the pairs just touch."""
     rng = np.random.default_rng(0)
     for q in (1, 2, 3, 4):
         gaps, levers = rng.uniform(0, 1, 9), rng.standard_normal((9, q))
@@ -407,7 +407,7 @@ def test_a_pair_that_the_load_presses_and_the_motion_opens(method: str) -> None:
 
 
 def test_an_open_problem_asks_nothing_of_lapack(capfd: pytest.CaptureFixture[str]) -> None:
-    """No pair could close, nothing works on the motion: no matrix is left to factor."""
+    """No pair can close and no load acts on the motion, so no matrix is factored."""
     matrix = np.array([[2.0, -1.0], [1.0, 2.0]])
     state = fl.solve_contact_general(matrix, [1.0, 1.0], [1.0, 0.0], 0.0, positive_definite=True)
     assert not state.normal_forces.any()

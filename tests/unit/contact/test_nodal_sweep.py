@@ -45,7 +45,7 @@ def on_edges(sweep: NodalSweep) -> np.ndarray:
 
 
 def errors_of(sweep: NodalSweep) -> tuple[np.ndarray, np.ndarray]:
-    """Of rotation (P, T) and of the parts of the flanks (P, T), against the scene."""
+    """Errors of rotation (P, T) and load shares of the flanks (P, T), relative to the scene."""
     found = sweep.solve()
     rotation = np.array([result.rotation_rad for result in sweep.results]).T
     force = found["flank_force"]
@@ -82,7 +82,7 @@ def test_both_torques_are_in_the_ratio_of_the_teeth(
 
 
 def test_a_position_has_the_bits_of_a_position_alone() -> None:
-    """As flankload_position and flankload_solve_contact give them one after the other."""
+    """The bits of flankload_position followed by flankload_solve_contact."""
     still = read_data(DATA)
     torques = np.array([1.0, 0.5]) * still.torque_Nmm
     found = NodalSweep(still, np.zeros((2, 1)), torques).solve()

@@ -29,7 +29,7 @@ from tests.support.sweep_calls import TORQUES, assert_same, job, run
 
 @pytest.mark.parametrize(("kind", "count"), [("gears", 24), ("spline", 2)])
 def test_a_torque_of_a_list_is_solved_as_if_it_stood_alone(kind: str, count: int) -> None:
-    """Bitwise, whatever precedes it; conforming flanks search their even gap at each torque."""
+    """Bitwise, after any other torque; conforming flanks search their even gap at each torque."""
     together = run(TORQUES, kind=kind, count=count)
     backwards = run(TORQUES[::-1], kind=kind, count=count)[::-1]
     for torque, found, again in zip(TORQUES, together, backwards, strict=True):
@@ -132,7 +132,7 @@ def test_a_failure_names_position_and_torque() -> None:
 
 
 def test_the_core_stops_when_it_is_asked_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Asked before the first position: none is begun, and every state says so."""
+    """A request before the first position: no position is begun, and all statuses show it."""
     stopped, calls = [], []
     original = _core.flankload_sweep_mesh
 

@@ -88,7 +88,7 @@ def test_stiffness_is_symmetric_and_knows_rigid_motions(plane: str) -> None:
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 @pytest.mark.parametrize("shape", ["quad9", "triangle6"])
 def test_patch_of_constant_strain_is_exact(shape: str, plane: str) -> None:
-    """A linear displacement on the boundary gives the same inside, whatever the elements' shape."""
+    """With elements of any shape, a linear displacement of the boundary is exact inside."""
     if shape == "quad9":
         nodes, cells = SECTOR.nodes, SECTOR.cells
     else:

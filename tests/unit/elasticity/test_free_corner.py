@@ -103,7 +103,7 @@ def test_without_corners_the_near_field_is_the_logarithm() -> None:
 
 @pytest.mark.parametrize("psi", [0.05, 0.6, 3.0])
 def test_images_take_up_work(psi: float) -> None:
-    """-ln(d + d') on loads without a resultant: positive definite whatever its strength."""
+    """For loads without a resultant, -ln(d + d') is positive definite with any strength."""
     near = -psi * projected_image(20, 1.0, at_high_end=True)[1:, 1:]
     scale = 1 / np.sqrt(mode_norms((0.0, 1.0), 20)[1:])
     eigenvalues = np.linalg.eigvalsh(near * scale[:, None] * scale[None, :])

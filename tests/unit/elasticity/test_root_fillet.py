@@ -158,7 +158,7 @@ def test_asking_for_stress_leaves_the_compliance_as_it_is() -> None:
 
 
 def test_stress_is_nearly_the_same_in_plane_strain_and_plane_stress() -> None:
-    """Where forces are given, plane stresses do not hang on Poisson's ratio (Michell)."""
+    """Under given forces, plane stresses are independent of Poisson's ratio (Michell)."""
     body = gear_body()
     strain, stress = (
         flank_compliance(

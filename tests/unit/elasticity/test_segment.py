@@ -179,7 +179,7 @@ def test_single_teeth_are_the_stiffest() -> None:
 
 
 def test_curves_close_whichever_part_is_elastic() -> None:
-    """No tooth is the middle of the segment for good: a pitch on, all is as it was."""
+    """The segment moves with the mesh: after one pitch the state is the same."""
     pitch = 360.0 / 16
     for effects in ({"body": "segment", "segment_teeth": 3}, {"tooth_coupling": False}):
         scene = fl.Scene.from_dict(
@@ -239,7 +239,7 @@ def test_segments_in_three_dimensions_are_as_stiff_as_those_of_the_section(
 
 
 def test_a_file_is_uncoupled_as_elements_are(tmp_path: Path) -> None:
-    """Own teeth of a compliance file, against those of the elements that it was written from."""
+    """A compliance file without coupling, compared with the elements from which it was written."""
     from flankload.cli import main
 
     scene = SCENES / "external_gear.toml"

@@ -291,7 +291,7 @@ def test_pressures_on_corners_alone_are_within_the_picture() -> None:
 
 
 def test_a_spectrum_has_the_orders_that_few_positions_have() -> None:
-    """Orders that the positions do not have are none, and the page had no pictures at all."""
+    """Regression: orders that few positions cannot resolve left the page without pictures."""
     found = solve(scene_of().replace({"positions.count": 4}))
     assert isinstance(found, fl.Result)
     spectrum = curves_of(found)["spectrum"]

@@ -73,7 +73,7 @@ def moment_Nm(body: BodyOfPair, result: fl.Result, p: int) -> float:
 @pytest.mark.parametrize("z", [0, 1])
 @pytest.mark.parametrize("pair", [EXTERNAL, RING_PAIR], ids=["external", "internal"])
 def test_other_teeth_move_as_in_the_compliance_of_the_run(pair: dict, z: int) -> None:
-    """Between teeth there is no near field: the compliance is the displacement of the elements."""
+    """Other teeth have no near field, so their compliance is the displacement of the elements."""
     scene = scene_of(pair)
     assembly = build_bodies(scene)
     body = (assembly.body_1, assembly.body_2)[z].for_elements()

@@ -93,7 +93,7 @@ def amount(*names: str) -> Callable[[Run], float]:
 
 
 def vanishing_blocks(run: Run) -> int:
-    """Distances of teeth of body 1 over which a load moves nothing."""
+    """Distances of teeth of body 1 without mutual influence."""
     smooth = run.calls[-1]["smooth_1"]
     return int(sum(not smooth[:, :, k].any() for k in range(smooth.shape[2])))
 
@@ -198,7 +198,7 @@ def coupled_meshes(run: Run) -> float:
 
 
 def coupled(run: Run) -> float:
-    """By how much a belt's pulley lets teeth go beside a loaded one."""
+    """Displacement of teeth beside a loaded one by the pulley of a belt."""
     drive = run.result.drive
     assert isinstance(drive, BeltDrive)
     return float(drive.pulley_coupling_um_per_N.sum())

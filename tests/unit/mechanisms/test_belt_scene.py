@@ -226,7 +226,7 @@ def test_torques_share_the_elements_and_one_may_be_none() -> None:
 
 
 def test_estimate_is_the_change_by_finer_elements() -> None:
-    """Of the order of the change by elements half as long as those of the scene."""
+    """The estimate is of the order of the change by elements half as long."""
     changes = {"accuracy": {"flank_element_mm": 0.625, "estimate": True}}
     result = solved(**changes)
     finer = solved(accuracy={"flank_element_mm": 0.3125, "estimate": False})
@@ -306,7 +306,7 @@ def test_nothing_is_claimed_between_single_angles_and_beside_one() -> None:
 
 
 def test_estimate_of_elements_is_at_least_their_error() -> None:
-    """Rows over the lands stayed as they were in the coarser mesh, and hid a third to all of it."""
+    """Regression: equal rows over the lands in the coarser mesh hid part of the error."""
     keys: dict[str, Any] = {"body_1": {"profile": "HTD"}}
     keys["body_2"] = {"wrapped_teeth": 5, "flank_angle_deg": None}
     plain = {"flank_element_mm": None, "estimate": True}

@@ -126,7 +126,7 @@ def test_a_follower_that_turns_by_a_tenth_of_a_radian_is_refused() -> None:
 
 
 def test_pressure_is_compared_with_the_softer_elastic_body() -> None:
-    """No gear reaches it before its teeth give way: a sweep with its peaks set says it of them."""
+    """Gears exceed other limits first, so the peaks of a sweep are set to reach this one."""
     scene = gears(body_1__rigid=True, body_1__young_modulus_MPa=1000)
     pair = build_bodies(scene)
     nothing = (no_compliance(pair.body_1), no_compliance(pair.body_2))

@@ -298,7 +298,7 @@ def test_a_scan_of_modifications_solves_elements_once() -> None:
 
 
 def test_modes_of_any_number_have_the_elements_of_the_unmodified_flank() -> None:
-    """The number of modes determines the elements: it was that of the modified flank's length."""
+    """Regression: the number of modes, which sets the elements, came from the modified flank."""
     scene = base("external_gear").replace({**RELIEF, "accuracy.modes": 10})
     one, two = (
         build_bodies(scene.replace({"body_1.tip_relief_um": um})).body_1 for um in (0.0, 400.0)
@@ -417,5 +417,5 @@ def test_contacts_without_a_state_in_slices_are_solved_with_cells(
 
 
 def solve_found(scene: fl.Scene) -> Any:
-    """What the only run of a scene gives."""
+    """Results of the only run of a scene."""
     return prepared.solve_scene(scene, None, None)

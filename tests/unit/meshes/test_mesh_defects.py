@@ -444,7 +444,7 @@ def test_material_in_the_file_that_differs_is_noted(
 
 
 def test_flank_set_that_takes_in_the_fillet_is_cut_to_the_profile(tmp_path: Path) -> None:
-    """With the profile given, modes live between fillet and tip, whatever the set holds beyond."""
+    """With a given profile, modes extend from fillet to tip, even if the set contains more."""
     import flankload as fl
     from flankload.mechanisms.flank_pair.assembly import build_bodies
     from flankload.meshes.io import read_mesh

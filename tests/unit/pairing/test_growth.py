@@ -149,7 +149,7 @@ def test_displacement_converges_as_elements_get_smaller() -> None:
 
 
 def test_pull_of_rotation_is_the_mass_times_its_place() -> None:
-    """Of a sector: the resultant is the integral of the place over the area."""
+    """For a sector, the resultant is the integral of the place over the area."""
     mesh, _ = ring_sector(7, rows=8, columns=12, lobe=0.0)
     matrix = stiffness(mesh.nodes, mesh.cells, STEEL, "strain")
     total = centrifugal_load(matrix, mesh.nodes, mesh.cells).reshape(-1, 2).sum(axis=0)

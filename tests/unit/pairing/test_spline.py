@@ -200,7 +200,7 @@ def test_offset_beyond_the_backlash_is_said() -> None:
 
 
 def test_twice_the_offset_is_taken_off_the_backlash() -> None:
-    """Of 40 um: 10 um leave coast flanks apart, whatever is said of gaps, 30 um do not."""
+    """With a backlash of 40 um, coast flanks stay apart at an offset of 10 um, but not of 30 um."""
     coast = SimpleNamespace(gap_rad=np.array([0.0, -1e-3]), base_radius_mm=BASE_RADIUS)
     still = SimpleNamespace(torque_Nmm=0.0, tangent_rad_per_Nmm=np.zeros(2), rotation_rad=0.0)
     for offset, overlap in ((0.01, 0.0), (0.03, BASE_RADIUS)):
@@ -298,7 +298,7 @@ def test_every_tooth_is_in_the_result(example: fl.Result) -> None:
 
 
 def test_common_axes_leave_no_pitch_out(example: fl.Result) -> None:
-    """Regression: index errors were said to repeat after 24 pitches, which meet the same teeth."""
+    """Regression: a period of 24 pitches was reported, although the same teeth always meet."""
     assert example.warnings == ()
 
 

@@ -206,7 +206,7 @@ def test_loaded_pair_says_when_a_pressure_means_nothing(result: Result) -> None:
 
 @pytest.mark.filterwarnings("error")
 def test_lumped_contact_is_drawn_as_the_pressure_of_hertz() -> None:
-    """A contact of one row drew nothing: its pressure over the face width is its force."""
+    """Regression: a contact of one row was not drawn."""
     tree = tomllib.loads((SCENES / "external_gear.toml").read_text())
     tree |= {"effects": {"contact": "lumped"}, "positions": {"count": 4}}
     found = fl.solve(fl.Scene.from_dict(tree | {"accuracy": {"estimate": False}}))

@@ -386,7 +386,7 @@ def boxes_of(figure: Figure) -> dict[str, Bbox]:
 
 @pytest.mark.parametrize("name", ["loaded_pair", "contact_pattern"])
 def test_texts_of_wide_helical_teeth_neither_overlap_nor_leave_the_picture(name: str) -> None:
-    """Teeth as wide as 24 modules: ends were named outside the picture and in the other panel."""
+    """Regression: for teeth 24 modules wide, names of ends lay outside or in the other panel."""
     tips = {f"body_{z}": {"tip_radius_mm": 0.3, "tip_relief_um": 0.0} for z in (1, 2)}
     wide = solved(positions={"count": 1}, pair={"face_width_mm": 75.0}, **tips)
     figure = plot.PICTURES[name](wide)
@@ -403,7 +403,7 @@ def test_texts_of_wide_helical_teeth_neither_overlap_nor_leave_the_picture(name:
 def test_the_loaded_pair_of_a_report_shows_both_bodies(
     result: fl.Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It showed body 1 only."""
+    """Regression: it showed body 1 only."""
     monkeypatch.setattr(plot, "pictures_of", lambda _: ("loaded_pair",))
     plots = plots_of([result])["Loaded bodies"]
     assert [plot.name for plot in plots] == ["loaded_pair_1", "loaded_pair_2"]
@@ -432,7 +432,7 @@ def test_slices_that_enter_are_named_at_curves_with_steps(result: fl.Result) -> 
 
 
 def test_labels_of_axes_are_no_longer_than_their_axes(stressed: fl.Result) -> None:
-    """Those of root stress and stiffness were, in the size of a report."""
+    """Regression: labels of root stress and stiffness were longer in the size of a report."""
     several = [made_up_result(torque_Nm=torque) for torque in (150.0, 302.0)]
     for results in ([stressed], several):
         for name in set(plot.pictures_of(results)) - set(OF_BODIES):

@@ -307,7 +307,7 @@ def test_size_and_resolution_are_those_asked_for(
 
 
 def test_texts_lie_inside_the_figure(results: tuple[Result, ...]) -> None:
-    """Margins are those of the texts, whatever the number of panels."""
+    """Margins follow from the texts for any number of panels."""
     for name in ("stiffness", "pressure_over_diameter", "torque_sweep"):
         figure = plot.PICTURES[name](results)
         box = figure.get_tightbbox(figure.canvas.get_renderer())  # type: ignore[attr-defined]

@@ -43,7 +43,7 @@ def corners(one: dict[str, Any], two: dict[str, Any], **effects: Any) -> list[st
 
 @pytest.mark.parametrize("contact", ["pairs", "lumped"])
 def test_with_a_rounded_tip_the_kink_of_the_relief_is_the_corner(contact: str) -> None:
-    """Regression: it was called a sharp tip corner, which a tip radius cures."""
+    """Regression: the warning named a sharp tip corner and recommended a tip radius."""
     (said,) = corners(RELIEF, ROUND, contact=contact)
     assert "body_1 touches with the kink where its tip relief begins" in said
     assert said.endswith('body_1.tip_relief_shape = "parabolic" avoids it')

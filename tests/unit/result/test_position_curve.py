@@ -125,7 +125,7 @@ def test_doubt_bounds_the_error_of_random_curves(seed: int) -> None:
 
 
 def test_single_point_between_two_kinks_is_in_doubt() -> None:
-    """Regression: of a stretch with one position nothing is known; its peak was overlooked."""
+    """Regression: the peak of a section with a single position was overlooked."""
     x = PERIOD * np.arange(16) / 16
     y = np.where(np.arange(16) == 5, 1.0, 0.0)
     changes = np.isin(np.arange(16), [4, 5])
@@ -163,7 +163,7 @@ def test_step_of_a_stiffness_is_found_at_the_kink_of_the_rotation() -> None:
 def test_secant_stiffness_has_a_kink_where_another_pair_touches_without_torque(
     adaptive: bool,
 ) -> None:
-    """Regression: the rotation has none there, so that the mean was said to be exact."""
+    """Regression: the mean was reported as exact, since the rotation has no kink there."""
     n, kink, loaded = 24, 0.035, 0.21
     x = PERIOD * np.arange(n) / n
     along = [np.mod((x - at) / PERIOD, 1.0) for at in (kink, loaded)]

@@ -56,7 +56,7 @@ def test_load_factors_by_hand() -> None:
 
 
 def test_a_flank_that_hardly_touches_has_no_face_load_factor() -> None:
-    """It had: 21 on a helical pair, where a contact line begins with 0.1 % of the load."""
+    """Regression: it was 21 on a helical pair whose contact line begins with 0.1 % of the load."""
     force = np.array([[[4.0, 0.02], [0.0, 12.0], [0.0, 0.0]], [[2.0, 6.0], [0.05, 0.0], [0, 0]]])
     found = loads(force_N=force).flank_face_load_factor
     first = 4.0 * 4.0 / 4.02

@@ -324,7 +324,7 @@ def test_warnings_precede_the_table() -> None:
 
 
 def test_warnings_of_several_torques_precede_all_tables_once() -> None:
-    """Those that differ in numbers alone are one, in the words of the largest torque."""
+    """Warnings that differ only in numbers are merged into that of the largest torque."""
     of_torque = {
         100.0: ("always", "at 3 of 8 positions body_1 works", "only here"),
         900.0: ("always", "at 7 of 8 positions body_1 works", "pairs 2 carry"),

@@ -169,7 +169,7 @@ def test_coast_flanks_of_a_pair_further_apart() -> None:
 
 
 def test_coast_gap_at_angles_many_turns_apart() -> None:
-    """All coast flanks between the angles were looked at: more than any memory holds."""
+    """Regression: all coast flanks between the angles were checked, which exhausted the memory."""
     pitch = 360.0 / EXTERNAL["body_1"]["teeth"]
     angles = {"angles_deg": [5.0, 5.0 + 4e5 * pitch, 5.0 - 2e4 * pitch]}
     gap = solved(EXTERNAL, 0.0, rigid=True, positions=angles).coast_flank_gap_um
@@ -241,7 +241,7 @@ def test_pairs_that_could_carry_are_those_on_the_path_and_those_that_do(external
 
 
 def test_contact_ratio_on_both_involutes_is_shown_if_it_differs(external: Result) -> None:
-    """Of 1.787 by the tip circles an undercut may leave less than one pair."""
+    """An undercut may reduce the 1.787 of the tip circles to less than one pair."""
     geometry = replace(external.geometry, contact_ratio=1.787, usable_contact_ratio=0.835)
     result = replace(external, geometry=geometry)
     assert ", 1.787 by geometry, 0.835 of it on both involutes)" in result.table()

@@ -190,7 +190,7 @@ def material_table() -> list[str]:
 
 @pytest.mark.parametrize("table", [belt_table, chain_table, material_table])
 def test_the_page_of_catalogues_has_the_tables(table: Callable[[], list[str]]) -> None:
-    """Where this fails, put these lines in: python -m tests.unit.scene.test_catalogue."""
+    """If this fails, insert the output of python -m tests.unit.scene.test_catalogue."""
     page, lines = PAGE.read_text(encoding="utf-8").splitlines(), table()
     first = page.index(lines[0])
     assert page[first : first + len(lines)] == lines

@@ -55,7 +55,7 @@ def effects_table() -> list[str]:
 
 
 def test_the_page_of_effects_has_the_table() -> None:
-    """Where this fails, put these lines in: python -m tests.unit.scene.test_effects."""
+    """If this fails, insert the output of python -m tests.unit.scene.test_effects."""
     page = PAGE.read_text(encoding="utf-8").splitlines()
     first = page.index("| effect | keys | adds | size from |")
     assert page[first : first + len(EFFECTS) + 2] == effects_table()

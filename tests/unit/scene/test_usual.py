@@ -157,7 +157,7 @@ def test_a_question_has_the_next_unit_in_which_a_value_is_usual(
 
 
 def test_usual_ranges_are_in_the_schema_within_the_permitted_ones() -> None:
-    """A default that would be asked about is none."""
+    """No default lies outside its usual range."""
     keys = 0
     for name, form in scene_schema()["$defs"].items():
         for key, said in form.get("properties", {}).items():

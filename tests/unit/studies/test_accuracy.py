@@ -163,7 +163,7 @@ def test_ladder_that_turns_has_no_limit_but_its_finest_step() -> None:
 
 
 def test_slow_ladder_is_not_extrapolated() -> None:
-    """Of order 0.7 the limit is 1.6 times the last change away: a larger distance is detected."""
+    """At order 0.7 the limit is 1.6 times the last change away; a larger distance is detected."""
     found = limit_of((0.25, 0.5, 1.0), [np.array([h**0.7]) for h in (0.25, 0.5, 1.0)])
     assert found.slow
     assert found.order is None
@@ -734,7 +734,7 @@ def test_other_file_is_refused(text: str, tmp_path: Path) -> None:
 
 
 def test_a_run_that_has_changed_in_its_file_is_refused(kept: Path, tmp_path: Path) -> None:
-    """A changed digit was a number of the study."""
+    """Regression: a changed digit became a result of the study."""
     path, text = tmp_path / "runs.jsonl", kept.read_text(encoding="utf-8")
     at = text.rindex('"cpu_s":') + len('"cpu_s":')
     path.write_text(f"{text[:at]}9{text[at:]}", encoding="utf-8")

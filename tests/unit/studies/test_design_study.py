@@ -182,7 +182,7 @@ def bits(study: fl.DesignStudy) -> bytes:
 
 
 def test_each_table_of_a_scene_is_in_the_key_of_its_run() -> None:
-    """Those of a stage and its planets were not, so that all designs had one result."""
+    """Regression: tables of stage and planets were missing, so all designs had the same result."""
     scene = fl.read_scene(SCENES / "planetary_stage.toml")
     changes = ("planet.tip_diameter_mm", 56.5), ("stage.floating", "none"), ("load.torque_Nm", 5)
     keys = {key_of(scene), *(key_of(scene.replace({key: value})) for key, value in changes)}
@@ -326,7 +326,7 @@ def stored(path: Path) -> dict[str, tuple[Any, ...]]:
 
 
 def test_a_damaged_store_is_one_line_and_gives_no_other_number(tmp_path: Path) -> None:
-    """Flipped bytes were tracebacks of DatabaseError, JSONDecodeError and TypeError."""
+    """Regression: flipped bytes gave tracebacks of DatabaseError, JSONDecodeError and TypeError."""
     whole, damaged = tmp_path / "a.sqlite", tmp_path / "b.sqlite"
     row = {"torque_Nm": 1.0, "quantities": {PEAK: 1500.0, "curve": [0.5] * 50}, "estimate": {}}
     outcomes = {f"{k:040x}": Outcome("solved", 0.1 * k, None, (row,)) for k in range(20)}

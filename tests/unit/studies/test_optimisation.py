@@ -152,7 +152,7 @@ def test_search_keeps_a_limit_and_raises_the_penalty_that_is_too_small() -> None
 
 
 def test_search_goes_around_points_without_a_solution() -> None:
-    """A bowl whose minimum lies where nothing can be solved: it ends at the border."""
+    """A parabola with its minimum where no scene has a solution: the search ends at the border."""
 
     def bowl(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.array([1.0 + x @ x]), 2.0 * x[None]

@@ -65,7 +65,7 @@ def plan_of(*, levels: bool = False, dimension: bool = False, **changes: Any) ->
 
 @pytest.fixture(scope="module")
 def plain_plan() -> Plan:
-    """Plan of two gears with nothing asked for."""
+    """Plan of two gears without requested effects."""
     return fl.plan(scene_of())
 
 
@@ -205,7 +205,7 @@ def test_coast_flanks_of_a_press_fit_have_a_size() -> None:
 
 
 def test_forces_at_nodes_have_the_size_of_two_runs() -> None:
-    """Of the external pair at 8 positions, nodes 0.2 mm apart: 5.0 % at most, -1.2 % on average."""
+    """External pair at 8 positions, nodes 0.2 mm apart: at most 5.0 %, -1.2 % on average."""
     scene = example_of("external_gear")
     accuracy = structs.replace(scene.accuracy, flank_element_mm=0.2)
     effects = structs.replace(scene.effects, near_field="nodes")
@@ -249,7 +249,7 @@ def test_finite_forces_are_small_and_dear() -> None:
 
 
 def test_present_and_absent_effects_have_one_size(plain_plan: Plan) -> None:
-    """The same effect seen from both sides: once left out, once put in."""
+    """The size is the same whether the effect is removed from a scene or added to it."""
     off = plain_plan.effect("friction")
     on = fl.plan(scene_of(effects__friction_coefficient=0.1)).effect("friction")
     assert (off.on, on.on, off.assumed, on.assumed) == (

@@ -152,7 +152,7 @@ def test_failed_designs_are_counted_with_their_share() -> None:
 
 @pytest.mark.parametrize("failed", [0, 3, 11])
 def test_failed_designs_are_beyond_percentiles_at_both_ends(failed: int) -> None:
-    """They were left out, so that 3 and 11 failures of 100 moved no percentile."""
+    """Regression: failures were left out, so 3 and 11 of 100 changed no percentile."""
     values = np.random.default_rng(3).permutation(np.arange(100.0))
     values[values < failed] = np.nan
     samples = Samples(values)

@@ -282,7 +282,7 @@ def test_pressure_on_sharp_corners_is_not_certain(met: fl.Result) -> None:
 
 
 def test_uncertain_quantities_are_missed_beyond_twice_the_tolerance(met: fl.Result) -> None:
-    """Of 17 pairs of gears that touched on tips, pressures had a third of their estimate."""
+    """On 17 gear pairs with tip contact, errors of pressure were a third of their estimate."""
     uncertain = replace(met, estimate={**(met.estimate or {}), "uncertain": {"peak_pressure": ""}})
     for error, result, missed in (
         (0.019, met, True),
@@ -431,7 +431,7 @@ def test_a_quantity_that_no_parameter_answers_for_asks_for_no_run(met: fl.Result
 
 
 def test_errors_of_parameters_are_refined_beside_other_errors(met: fl.Result) -> None:
-    """Beside an error of tips that stayed, modes that left 1.5 % were left: 1.05 % were true."""
+    """Regression: beside a fixed error of tips, modes with 1.5 % were not refined."""
     parameters, run = attempt({"tip": 0.0174, "modes": 0.0145}, met)
     choice = choose_discretization(parameters, [run], 0.01)
     assert choice is not None
@@ -474,7 +474,7 @@ def test_the_choice_does_not_depend_on_measured_seconds(met: fl.Result) -> None:
 
 
 def test_elements_of_a_cam_converge_by_the_first_order(met: fl.Result) -> None:
-    """By the second order a refined run at 0.1 % was still at 0.108 %."""
+    """Regression: with the second order, a run refined for 0.1 % had 0.108 %."""
     tree = tomllib.loads((SCENES / "cam.toml").read_text(encoding="utf-8"))
     parameters = parameters_of(fl.Scene.from_dict({**tree, "accuracy": {"tolerance": 0.001}}))
     _, run = attempt({"elements": 0.00145}, met, **parameters.values)

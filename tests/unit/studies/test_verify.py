@@ -388,7 +388,7 @@ def test_a_free_bore_follows_its_axis_in_the_mean(deck: Deck) -> None:
     x, y = (held.nodes - [91.5, 0.0]).T
 
     def left(u: np.ndarray, turn: float) -> float:
-        """What no sums balance."""
+        """Residual of the equations."""
         moved = dict(enumerate(u, start=first)) | {axis: np.array([turn])}
         known = [sum(f * moved[n][int(c) - 1] for n, c, f in e if n < further) for e in equations]
         return float(np.abs(known - sums @ np.linalg.lstsq(sums, known, rcond=None)[0]).max())
@@ -480,7 +480,7 @@ def test_program_without_an_answer_says_why_and_its_files_stay(
 
 
 def test_iterations_of_the_other_program_are_counted(tmp_path: Path) -> None:
-    """Nothing was said until it had ended."""
+    """Regression: no progress was printed until the end."""
     rows = "".join(f"     1     1     1  {k:4}  177  0.0E+00  0.1E+03\n" for k in (1, 2, 3))
     heads = "SUMMARY\n  STEP   INC  ATT   ITER     CONT.\n           (#)     (%)\n"
     body = f"cat > {tmp_path}/deck.cvg <<'END'\n{heads}{rows}END\nsleep 0.5; echo Job finished"

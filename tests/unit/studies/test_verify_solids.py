@@ -422,7 +422,7 @@ def test_dimension_is_that_of_both_programs(
 
 # --- size and time --------------------------------------------------------------------------------
 def test_size_is_known_before_the_scene_is_solved(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A helical pair of wide gears was meshed and given to CalculiX, which did not end."""
+    """Regression: a wide helical pair was meshed and passed to CalculiX, which did not end."""
     exact = deck_of(SKEWED, 2).unknowns
     reached: list[tuple[str, int, int, float | None]] = []
 

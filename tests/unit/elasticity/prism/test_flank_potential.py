@@ -181,7 +181,7 @@ def test_twice_as_many_points_change_nothing(surface: FlankSurface) -> None:
 
 
 def test_places_of_the_profile_are_looked_at_once() -> None:
-    """Not anew for each point along the axis, which were 374 400 places."""
+    """Once, instead of for each point along the axis (374 400 places)."""
     seen = []
 
     def watched(s: np.ndarray) -> np.ndarray:
