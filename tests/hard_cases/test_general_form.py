@@ -243,7 +243,7 @@ def test_a_little_force_that_alone_holds_a_load(method: str, *, second_motion: b
 
 
 def test_the_judge_agrees_with_elimination_in_60_digits() -> None:
-    """Refined from double precision or eliminated as a whole: the same 40 digits."""
+    """Refinement from double precision and elimination agree in 40 digits."""
     rng = np.random.default_rng(17)
     compared = 0
     while compared < 12:
@@ -273,7 +273,7 @@ def test_the_judge_agrees_with_elimination_in_60_digits() -> None:
 
 
 def test_the_judge_finds_an_error_of_a_hundred_roundings() -> None:
-    """A force, a motion, a gap and the set of pairs, each spoilt by itself."""
+    """Errors in a force, a motion, a gap and the set of pairs are found separately."""
     rng = np.random.default_rng(3)
     problem, held = general_like(rng)
     while not held or problem.loads.size < 2:

@@ -194,7 +194,7 @@ def test_smooth_kernels(method: str, width: float, decade: int) -> None:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("width", [0.05, 0.1, 0.15, 0.2, 0.3, 0.4])
 def test_smooth_kernels_of_which_few_pairs_are_left(method: str, width: float) -> None:
-    """Neighbours that are nearly the same leave again on the way."""
+    """Nearly equal neighbours leave again during the solution."""
     place = np.linspace(0, 1, 30)
     matrix = np.exp(-(((place[:, None] - place) / width) ** 2)) + 1e-14 * np.eye(30)
     solve(matrix, 0.1 * (place - 0.4) ** 2, 1.0, method)

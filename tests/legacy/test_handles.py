@@ -164,7 +164,7 @@ def test_a_problem_of_handles_is_that_of_the_sweep(
 def test_an_error_names_procedure_argument_expected_and_found(
     library: Library, files: Callable[[str, np.ndarray], bytes]
 ) -> None:
-    """While there is one, nothing is done; handles are null pointers after an error."""
+    """After an error, procedures do nothing and return null pointers."""
     problem = two_rollers(library, files)
     body = library.call("read_body", files("roller", roller()))
     cases: list[tuple[str, tuple[Any, ...], str]] = [

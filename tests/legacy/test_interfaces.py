@@ -77,7 +77,7 @@ def test_the_module_brings_no_internals(prefix: Path, tmp_path: Path) -> None:
 
 
 def test_programs_with_external_procedures_still_compile(prefix: Path, tmp_path: Path) -> None:
-    """Such as hand over a scalar for an array of one number."""
+    """Programs that pass a scalar as an array of one number."""
     text = """\
       program old
       include 'flankload.inc'
@@ -120,7 +120,7 @@ def with_option(option: str, example: str, program: str, folder: Path, prefix: P
 def test_numbers_of_another_size_are_refused(
     program: str, option: str, words: str, prefix: Path, tmp_path: Path
 ) -> None:
-    """In place of status 0 with wrong sets of pairs in contact."""
+    """Otherwise status 0 with wrong pairs in contact would result."""
     made = with_option(option, "legacy_fortran", program, tmp_path, prefix)
     assert isinstance(made, Path), made
     data = EXAMPLES / "legacy_fortran" / ("pair.dat" if program == "loads" else "sweep.dat")

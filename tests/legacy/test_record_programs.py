@@ -106,7 +106,7 @@ def test_text_and_bytes_have_the_same_numbers(pair: tuple[fl.Result, Path], tmp_
 
 
 def test_files_that_are_no_record_are_refused(pair: tuple[fl.Result, Path], tmp_path: Path) -> None:
-    """Missing, foreign, cut short, a folder: one line, and the array is unchanged."""
+    """Missing, foreign and truncated files and folders: one line, and the array is unchanged."""
     text = (pair[1] / "mesh.dat").read_text(encoding="utf-8")
     whole = bytes_of(read(pair[1] / "mesh.dat"))
     spoiled = {

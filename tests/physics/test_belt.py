@@ -166,7 +166,7 @@ def land_N_per_mm2(strip: Strip, elements: int = 3) -> float:
 
 
 def test_land_is_a_spring_in_series_with_the_cord() -> None:
-    """k_l belongs to the section of the land: it goes with E, hardly with radius and cord."""
+    """k_l belongs to the section of the land: proportional to E, nearly without radius and cord."""
     land = land_N_per_mm2(T10)
     for modulus in (60.0, 150.0):
         other = land_N_per_mm2(replace(T10, material=Material(modulus, 0.45)))
@@ -194,7 +194,7 @@ def test_prestress_stiffens_cord_and_teeth() -> None:
 
 
 def test_cord_is_a_taut_bar_around_the_pulley() -> None:
-    """Its energy where it turns, grows and shifts as a whole: half a turn of radius r, two strands.
+    """Its energy under rotation, expansion and shift: half a turn of radius r, two strands.
 
     A taut cord that slides around the pulley costs nothing; shifted by 1 it bends by sin(t)/r.
     """
@@ -274,7 +274,7 @@ def test_lands_that_need_not_lift_change_nothing() -> None:
 
 
 def test_lands_lift_at_the_slack_end_first() -> None:
-    """The less the slack strand pulls, the further; nowhere does the pulley pull."""
+    """Lands lift further with less slack tension; the pulley never pulls."""
     known, before = response(TAUT, 3), 0.0
     for slack in (1.0, 0.5, 0.1):
         assert solve_belt(TAUT, known, FORCE, slack).land_N_per_mm[-1] < 0
@@ -288,7 +288,7 @@ def test_lands_lift_at_the_slack_end_first() -> None:
 
 
 def test_land_that_lifts_is_free() -> None:
-    """Lands as pairs are the same as elements of which these lands are not held at all."""
+    """Lands as pairs equal elements on which these lands are not held."""
     state = solve_belt(TAUT, response(TAUT, 3), FORCE, 0.1, land_lift=True)
     free = np.flatnonzero(state.land_N_per_mm < 1e-9)
     assert free.size >= 3
@@ -355,7 +355,7 @@ def test_strand_stretches_while_a_groove_goes_by() -> None:
 
 
 def test_positions_pass_over_into_each_other_but_where_a_tooth_comes() -> None:
-    """Half a pitch on a tooth comes and another one goes; elsewhere a little changes little."""
+    """At half a pitch a tooth engages and another leaves; elsewhere small steps change little."""
     row = BeltRow(TAUT, 3)
     phases = np.array([0.16, 0.235, 0.498, 0.501, 0.765, 0.84])
 

@@ -155,7 +155,7 @@ def rows_of(found: PulleyResponse) -> int:
 
 @pytest.mark.parametrize("strip", [SMALL, replace(SMALL, wrapped_teeth=9)])
 def test_ring_of_sectors_is_the_whole_pulley(strip: Strip) -> None:
-    """Forces anywhere, on almost all teeth, too."""
+    """Under forces at any places, also on almost all teeth."""
     found = known(strip, elements=2)
     touches, count = touches_of(strip, held(strip, 2, 0.0), found.mesh, rows_of(found))
     closed = pulley_compliance(found, touches, count)
@@ -180,7 +180,7 @@ def test_compliance_of_the_pulley_is_symmetric_before_it_is_made_so() -> None:
 
 
 def test_shape_functions_are_exact_for_linear_fields() -> None:
-    """At any angles: the ways of shape functions that follow a land which leans."""
+    """At any angles: displacements of shape functions that follow an inclined land."""
     found = known(T10)
     nodes = found.mesh.sector.nodes[found.mesh.land]
     angles = np.arctan2(nodes[:, 1], nodes[:, 0])

@@ -83,7 +83,7 @@ def test_other_grids_give_the_same_rotation(k: int) -> None:
 
 @pytest.mark.parametrize("teeth", [(20, 20), (21, 20), (17, 34), (17, 23)])
 def test_many_turns_name_every_tooth_once(teeth: tuple[int, int]) -> None:
-    """Sites that go round a gear twice named its teeth twice: rotation -13 %, or nonsense."""
+    """Regression: sites over two turns named teeth twice, with errors of 13 % and more."""
     scene = next(s for s in scenes(SEED, WANTED) if "pitch_errors_um" not in s["body_1"])
     gear = {"kind": "gear", "module_mm": 2.0, "profile_shift": 0.0, "bore_diameter_mm": 20.0}
     for k in (1, 2):

@@ -78,7 +78,7 @@ def test_force_is_torque_over_lever(follower: dict, one: dict, two: dict) -> Non
 
 
 def test_long_arm_does_not_bend_the_gap() -> None:
-    """The arm's large rotation, weighed by half the lever of each body, took 2 % of the pressure.
+    """Regression: the large rotation of the arm with a mean lever reduced the pressure by 2 %.
 
     Statics of steel: the place of contact moves along the roller as the end of the arm turns.
     """
@@ -221,7 +221,7 @@ def test_wind_up_does_not_change_with_finer_elements(follower: dict, cam: dict) 
 
 
 def test_harmonics_of_a_disc_are_those_of_the_disc() -> None:
-    """Round about its axis, a turned load turns its response: harmonics do not mix."""
+    """On a disc, a rotated load has the rotated response: harmonics do not mix."""
     scene = cam_scene([[a, 30.0] for a in range(0, 360, 5)])
     body = build_bodies(fl.Scene.from_dict(scene)).body_2
     smooth = flank_compliance(body, JobOptions(n_modes=21, plane="strain")).smooth[0]

@@ -345,7 +345,7 @@ def test_crowned_teeth_for_axes_at_an_angle() -> None:
 
 
 def test_work_of_the_torque() -> None:
-    """Rotation and torque grow together where all carries; the derivative is that of the forces."""
+    """Rotation is proportional to torque if all teeth carry; derivative from the forces."""
     one, two = (solve(load__torque_Nm=torque) for torque in (600.0, 1200.0))
     np.testing.assert_allclose(two.rotation_rad, 2.0 * one.rotation_rad, rtol=1e-9)
     stiffness = one.torque_Nm / one.rotation_rad
@@ -389,7 +389,7 @@ def test_a_tilt_that_takes_up_the_backlash_is_said() -> None:
 
 
 def test_misaligned_couplings_have_positions() -> None:
-    """On a common axis all positions are alike, at an angle they are not."""
+    """Positions are equal on a common axis, but not at an angle."""
     many = {"positions__angles_deg": None, "positions__count": 3}
     assert solve(**CROWNED, **many).position_rad.size == 1
     found = solve(**CROWNED, **MISALIGNED, **many)

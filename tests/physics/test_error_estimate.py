@@ -206,7 +206,7 @@ def test_errors_add_up_with_their_signs_and_doubts_by_their_squares() -> None:
 
 
 def test_half_as_many_cells_give_an_error_of_second_order_exactly() -> None:
-    """Not half as much again: c/n² leaves c/n² where n/2 cells add 3 c/n²."""
+    """With an error c/n², half as many cells add 3 c/n², of which a third is the error."""
     scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
     pair = build_bodies(scene)
     compliances = tuple(compliance_of(body, scene) for body in (pair.body_1, pair.body_2))
@@ -247,7 +247,7 @@ def test_half_as_many_cells_give_an_error_of_second_order_exactly() -> None:
 
 
 def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
-    """Their estimate was zero, since no error was evaluated."""
+    """Regression: their estimate was zero, since no error was evaluated."""
     scene = fl.Scene.from_dict({**PAIR, "positions": {"angles_deg": [0.0, 5.0]}})
     pair = build_bodies(scene)
     compliances = tuple(

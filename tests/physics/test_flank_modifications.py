@@ -225,7 +225,7 @@ def test_unloaded_transmission_error_is_the_geometric_deviation(keys: dict) -> N
 
 
 def test_small_torque_goes_to_the_unloaded_transmission_error() -> None:
-    """The limit itself: the remainder falls with the torque (a little slower, as Hertz contact)."""
+    """The difference vanishes with the torque, a little slower due to Hertz contact."""
     keys = MODIFICATIONS["crowned"]
     unloaded = solved(keys).rotation_rad
     torques = [1e-1, 1e-3, 1e-5]

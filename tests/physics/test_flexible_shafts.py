@@ -213,7 +213,7 @@ def test_a_plan_screens_the_pair_without_the_shaft_on_elements_of_their_own() ->
 
 
 def test_roots_are_stressed_as_the_line_load_says() -> None:
-    """Readings in a sector see the bore follow; that alone does not stress the roots."""
+    """The readings include the motion of the bore, which alone does not stress the roots."""
     largest, factors = [], []
     for shaft in (None, SHAFT):
         tree = tables(shaft)

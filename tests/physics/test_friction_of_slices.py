@@ -95,7 +95,7 @@ def _compliance(**changes: Any) -> tuple[BodyCompliance, float]:
 
 
 def test_tangential_modes_of_a_wide_prism_are_those_of_the_plane() -> None:
-    """Teeth recede under even loads as in plane strain, but for ends, which go with 1/width.
+    """Under even loads as in plane strain, except for the ends, an effect of 1/width.
 
     Measured, a neighbour: 15 % at 42 mm, 6.0 % at 126 mm; in the limit of both 1.3 %, on the tooth
     itself 0.6 %.

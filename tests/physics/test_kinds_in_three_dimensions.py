@@ -104,7 +104,7 @@ def test_sectors_from_meshes_are_as_compliant_as_gears() -> None:
 
 
 def test_helical_sectors_hold_the_torque_and_know_their_circles() -> None:
-    """The helix of one scene on base circles, and on the reference circle of a profile."""
+    """Equal helices given on base circles and on the reference circle of a profile."""
     crowned = {"lead_crowning_um": 5.0, "hand": "right"}
     left = {"helix_angle_deg": ON_BASE, "hand": "left"}
     found = from_meshes(crowned | {"helix_angle_deg": ON_BASE}, left)

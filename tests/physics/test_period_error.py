@@ -206,7 +206,7 @@ def test_whole_wheel_without_windows_repeats_with_the_tooth(folder: Path) -> Non
 def test_mesh_that_is_not_the_same_at_all_teeth_is_no_longer_period(
     folder: Path, tmp_path: Path
 ) -> None:
-    """Every node inside moves by up to a tenth of the shortest edge there, each its own way."""
+    """Inner nodes are displaced randomly by up to a tenth of the shortest edge."""
     from flankload.meshes.plane_mesh import boundary_edges
 
     nodes, cells, sets = whole_of(read_mesh(folder / "sector.msh"), TEETH)

@@ -216,7 +216,7 @@ def test_one_planet_is_two_pairs_in_series():
 
 @pytest.mark.parametrize("contact", ["lumped", "pairs"])
 def test_radial_errors_of_equal_angles_leave_the_shares_alone(contact):
-    """Normals differ over a contact, but no gap closes by the square of a displacement."""
+    """Radial errors change gaps only to second order, apart from varying normals in a contact."""
     shares = [
         stage(
             positions=SMOOTH,
@@ -390,7 +390,7 @@ def test_the_turning_picture_shows_all_bodies_and_a_spectrum_marks_orders():
 
 
 def test_rows_of_two_pairs_of_a_mesh_in_one_start():
-    """Their rows are equal to 1e-10: a start with both had no state for the floating sun."""
+    """Regression: rows equal to 1e-10 in one start left the floating sun without a state."""
     found = stage(positions={"count": None, "angles_deg": [2.249, 2.25, 2.26, 2.3]})
     assert not found.status.any()
 

@@ -169,7 +169,7 @@ def test_a_ring_on_springs() -> None:
 
 
 def test_friction_of_a_ring_as_in_the_plane() -> None:
-    """It turns the pinion of a spur pair back by the same part."""
+    """Friction reduces the rotation of the pinion of a spur pair by the same part."""
     lumped = {**PLAIN, **PLANE, **RIGID, "effects__contact": "lumped"}
     friction = {"effects__friction_coefficient": 0.1}
     plane = solve(SPUR, **lumped, **friction).rotation_rad / solve(SPUR, **lumped).rotation_rad

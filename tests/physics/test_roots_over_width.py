@@ -141,7 +141,7 @@ def test_shapes_names_and_the_place_of_the_largest_stress() -> None:
 
 
 def test_a_torque_of_zero_has_no_root_stress() -> None:
-    """The empty table of its pairs could not be reshaped."""
+    """Regression: the empty table of its pairs could not be reshaped."""
     tree = tree_of(HELICAL, ROOTS)
     tree["load"]["torque_Nm"] = [0.0, tree["load"]["torque_Nm"]]
     none, loaded = fl.Scene.from_dict(tree), _helical()

@@ -218,7 +218,7 @@ def test_exchanged_bodies_and_drivers_mirror_the_state() -> None:
 
 @pytest.mark.parametrize("body", ["body_1", "body_2"])
 def test_one_body_may_be_rigid(body: str) -> None:
-    """Then nothing takes away the sideways coupling of the other; statics and work stay."""
+    """The tangential coupling of the other body remains; statics and work are satisfied."""
     rigid = {"body_1": gear(16, 0.182, 82.46, 30.0), "body_2": gear(24, 0.171, 118.36, 40.0)}
     rigid[body] = {**rigid[body], "rigid": True}
     result = fl.solve(fzg(0.3, positions={"count": 16}, **rigid))
@@ -296,7 +296,7 @@ def test_spline_on_common_axes_does_not_slide() -> None:
 
 
 def test_spline_on_axes_apart_rubs() -> None:
-    """Flanks slide to and fro by the offset; the hub receives less work than the shaft gives."""
+    """Flanks slide to and fro by the offset; the hub receives less work than the shaft supplies."""
     result = solve(spline(0.2, center_offset_mm=0.02))
     friction = result.friction
     assert not any("friction has no effect" in note for note in result.warnings)

@@ -284,7 +284,7 @@ def test_bearings_carry_the_force_of_the_teeth(body: str) -> None:
 
 
 def test_the_state_of_an_overhung_pinion_with_sharp_tips_is_unique() -> None:
-    """Open slices on corners had contacts wider than any: K was not definite, the status 3."""
+    """Regression: open slices on corners were too wide, so K was not definite (status 3)."""
     overhung = {
         "diameters_mm": [40.0],
         "lengths_mm": [200.0],

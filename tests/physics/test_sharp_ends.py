@@ -46,7 +46,7 @@ def coarse() -> fl.Result:
 def test_load_factors_do_not_depend_on_the_slices(
     coarse: fl.Result, changes: dict[str, Any]
 ) -> None:
-    """They had no limit: K_Hbeta of 14 and 200 slices was 1.15 and 1.92."""
+    """Regression: they had no limit; K_Hbeta of 14 and 200 slices was 1.15 and 1.92."""
     fine = spur(**WIDE, **changes)
     assert fine.face_load_factor == pytest.approx(coarse.face_load_factor, rel=SAME)
     assert fine.line_load_factor == pytest.approx(coarse.line_load_factor, rel=SAME)

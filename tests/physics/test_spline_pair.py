@@ -217,7 +217,7 @@ def test_offset_loads_the_teeth_on_one_side() -> None:
 
 
 def test_index_errors_are_springs_of_different_length() -> None:
-    """Teeth that do not lean on each other: F_j = k (r_b phi + e_j), none where that pulls.
+    """Uncoupled teeth: F_j = k (r_b phi + e_j), or 0 if that is negative.
 
     The hub is rigid and the bore just below the roots of the shaft. The spring k of a tooth is that
     of the spline without errors, whose teeth carry M/(z r_b) each at the rotation phi.
@@ -280,7 +280,7 @@ def test_wind_up_and_edge_pressure_converge_with_the_cells() -> None:
 
 
 def test_stiffer_bodies_wind_up_less() -> None:
-    """A rigid body takes its part away; both parts are there with two elastic bodies."""
+    """The wind-up of two elastic bodies is about the sum of those with either body rigid."""
     both = solved().rotation_rad[0]
     shaft = solved(None, {"rigid": True}).rotation_rad[0]
     hub = solved({"rigid": True}).rotation_rad[0]

@@ -162,7 +162,7 @@ def test_a_turned_force_at_the_corner_of_a_chamfer() -> None:
 
 
 def test_more_modes_are_more_on_the_tip() -> None:
-    """With 12 modes on the flank and two on the rounding, this peak was several percent lower."""
+    """Regression: with 12 modes on the flank and two on the rounding, this peak was too low."""
     rounded = {"teeth": 19, "module_mm": 1.3, "pressure_angle_deg": 30, "tip_radius_mm": 0.12}
     scene = {
         "body_1": {

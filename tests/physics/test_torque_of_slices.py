@@ -47,7 +47,7 @@ def test_pairs_with_friction_give_back_the_torque() -> None:
 def test_flanks_with_a_kink_or_a_corner_in_their_contact_are_marked(
     contact: str, inside: float
 ) -> None:
-    """And no others: off corners, the peak pressure is a number to design by."""
+    """No other contacts are marked: off corners, the peak pressure is meaningful."""
     shapes = ("kinks", "round")
     found = solved_helical("gear", 5.0, shapes=shapes, contact=contact)
     bodies = build_bodies(helical_pair("gear", 5.0, shapes=shapes, contact=contact)).bodies

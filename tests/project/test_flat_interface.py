@@ -324,7 +324,7 @@ def test_global_names_are_used_once() -> None:
 
 
 def test_the_core_prints_opens_and_stops_nothing() -> None:
-    """Nor does it keep anything between calls, but for the words about an invalid argument."""
+    """Between calls it keeps only the message about an invalid argument."""
     kept = re.compile(r"^    (?:integer|real|character|logical|type)[^:]*:: \w+.* = ", re.MULTILINE)
     for path in SOURCES:
         text = path.read_text(encoding="utf-8").partition("\ncontains\n")[0]

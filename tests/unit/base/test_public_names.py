@@ -165,7 +165,7 @@ def test_public_objects_are_short() -> None:
 
 
 def test_the_former_name_of_accuracy_studies_is_accepted_with_a_warning() -> None:
-    """`fl.Study` sounded like what `fl.study` returns."""
+    """`fl.Study` was mistaken for the result of `fl.study`."""
     assert "Study" not in fl.__all__
     with pytest.warns(DeprecationWarning, match="AccuracyStudy, which accuracy returns"):
         assert fl.Study is fl.AccuracyStudy

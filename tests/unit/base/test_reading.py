@@ -46,7 +46,7 @@ def test_a_name_with_nul_is_no_traceback(tmp_path: Path) -> None:
 
 
 def test_bytes_of_a_name_that_are_no_letters_are_written_and_named(tmp_path: Path) -> None:
-    """The report of such a scene ended in UnicodeEncodeError."""
+    """Regression: the report of such a scene ended in UnicodeEncodeError."""
     name = os.fsdecode(b"\xfc.toml")
     (tmp_path / name).write_text(TEXT.replace('name = "small job"', ""), encoding="utf-8")
     scene = fl.read_scene(tmp_path / name)

@@ -115,7 +115,7 @@ def test_every_kernel_of_blas_counts_alike() -> None:
 
 
 def test_percentages_have_no_exponent() -> None:
-    """The error of a quantity near zero came out as 4.7e+02 %."""
+    """Regression: the error of a quantity near zero was printed as 4.7e+02 %."""
     assert [percent(part) for part in (4.7123, 0.1, 0.00123, 1e-15)] == [
         "470 %",
         "10 %",

@@ -373,7 +373,7 @@ def solved(*args: object, by: Callable[..., Any] = solve, **keys: object) -> fl.
 
 
 def test_results_do_not_know_where_the_table_begins() -> None:
-    """The table turned by any angle turns the results only, also where the curve begins."""
+    """A rotated table rotates the results only, also at the start of the curve."""
     table = np.array(lift_and_dwell(5.0))
     angles = np.arange(0.0, 360.0, 22.5)
     keys: dict = {"positions": {"angles_deg": angles.tolist()}}
@@ -613,7 +613,7 @@ def test_cam_is_meshed_whole(bore: float) -> None:
 
 
 def test_logarithm_of_the_chord_is_projected_in_closed_form() -> None:
-    """Against the double sum over a turn, the logarithm's own point averaged over its cell."""
+    """Compared with a double sum over a turn, with the mean over the cell at the singular point."""
     n, length, modes = 4000, 50.0, 9
     s = (np.arange(n) + 0.5) * length / n
     chord = length / np.pi * np.sin(np.pi * np.arange(1, n) / n)

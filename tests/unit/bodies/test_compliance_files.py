@@ -264,7 +264,7 @@ def test_rigid_body_is_not_written(tmp_path: Path, capsys: pytest.CaptureFixture
 
 
 def test_rigid_bodies_turn_without_torque() -> None:
-    """Nothing is elastic, so that only the torque prevented an answer."""
+    """Rigid bodies have a solution without torque."""
     rigid = {"body_1": {**ONE, "rigid": True}, "body_2": {**TWO, "rigid": True}}
     found = solved(**rigid, load={"torque_Nm": 0})
     assert_no_elements(found)
@@ -635,7 +635,7 @@ def test_file_that_is_no_file_of_arrays(
 
 
 def test_pickle_is_never_loaded(tmp_path: Path) -> None:
-    """A pickle that would leave a trace when it is loaded leaves none."""
+    """A pickle with a side effect when loaded has none."""
     trace = tmp_path / "trace"
 
     class Touch:

@@ -152,7 +152,7 @@ def test_flank_is_the_involute(teeth: int, shift: float) -> None:
     ids=["fzg", "undercut", "deep undercut", "shifted", "sharp rack", "long dedendum"],
 )
 def test_fillet_is_the_envelope_of_the_rack(spec: Gear) -> None:
-    """The rack touches every place of the fillet at one of its rolls and cuts none at any."""
+    """The rack touches each point of the fillet at one roll angle and cuts none at any."""
     profile = gear_profile(spec, "body_1")
     points = profile.curve.point(sampled(profile, "fillet", n=15))
     depths = [depth_in_rack(spec, point) for point in points]
@@ -204,7 +204,7 @@ def test_curve_has_no_gaps(teeth: int, keys: dict) -> None:
 
 
 def test_linear_relief_begins_in_a_corner_and_parabolic_relief_does_not() -> None:
-    """The pressure on the kink has no limit under refinement; it came without a mark."""
+    """Regression: the pressure on the kink, which has no limit under refinement, was not marked."""
     keys = {"tip_relief_um": 20.0, "tip_relief_start_diameter_mm": 79.0, "tip_radius_mm": 0.2}
     for shape, corners in (("linear", 1), ("parabolic", 0)):
         curve = gear_profile(gear(**keys, tip_relief_shape=shape), "body_1").curve

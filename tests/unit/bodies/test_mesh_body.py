@@ -92,7 +92,7 @@ def test_curve_through_the_nodes_is_near_and_says_how_near(parametric: fl.Result
 
 
 def test_rigid_mesh_needs_nothing_but_its_flank() -> None:
-    """Sets of rim and cuts may be missing; where they are not, the answer is the same."""
+    """Sets of rim and cuts may be missing; with them the result is the same."""
     missing = {"fixed_set": "NO_RIM", "cut_sets": ["NO_LEFT", "NO_RIGHT"]}
     found = fl.solve(mesh_scene(rigid=True, **missing))
     expected = solve(mesh_scene(rigid=True))

@@ -142,7 +142,7 @@ def test_tip_relief_removes_its_amount(shape: str, power: int) -> None:
 
 
 def test_linear_relief_is_not_cut_to_pieces() -> None:
-    """The flank took the relief's slope at the kink, and was halved down to 4e-8 mm there."""
+    """Regression: with the slope of the relief at the kink, intervals were halved to 4e-8 mm."""
     spec = Gear(
         teeth=16,
         module_mm=4.5,

@@ -264,7 +264,7 @@ LEAST_SHAPE = 0.6
 @pytest.mark.parametrize("rounding", [0.03, 0.08, 0.15, 0.3])
 @pytest.mark.parametrize("element", [1.0, 1 / 4.5, 1 / 18])
 def test_no_element_collapses_at_a_tip_rounding(rounding: float, element: float) -> None:
-    """A corner of a block on the rounding had an angle of 180 degrees: 0.007."""
+    """Regression: a block corner on the rounding had 180 degrees, a scaled Jacobian of 0.007."""
     bodies = [
         built(4.5 * element, tip_radius_mm=4.5 * rounding),
         ring_built(3.0 * element, tip_radius_mm=3.0 * rounding),

@@ -70,7 +70,7 @@ def test_stages_of_three_bodies_follow_each_other() -> None:
 
 
 def test_a_factorization_is_not_taken_for_each_of_the_loads_behind_it() -> None:
-    """A helical pair of 5 s was announced with minutes after its first, long step."""
+    """Regression: a helical pair of 5 s was announced with minutes after its first, long step."""
     clock = Clock()
     left = TimeLeft(now=clock)
     left.after("compliance body 1", 0, 100)

@@ -37,13 +37,13 @@ def test_an_error_that_nobody_can_read_keeps_its_exit_code(
 
 
 def test_a_reader_that_leaves_stops_no_other_output(monkeypatch: pytest.MonkeyPatch) -> None:
-    """`run --json - --csv F | head` ended before F was written, with exit code 0."""
+    """Regression: `run --json - --csv F | head` ended before F was written, with exit code 0."""
     monkeypatch.setattr(sys, "stdout", Unread(errno.EPIPE))
     write_text("-", "text")
 
 
 def test_a_study_needs_no_open_streams_and_no_letters_of_the_locale(tmp_path: Path) -> None:
-    """With closed stderr, `run`, `report` and `study` ended with exit code 1 and no word.
+    """Regression: with closed stderr, `run`, `report` and `study` failed without a message.
 
     The next file that was opened got the number of the closed stream. In the locale C without
     UTF-8, a report or a study named ü ended in UnicodeEncodeError.

@@ -274,7 +274,7 @@ if __name__ == "__main__":
 
 
 def test_workers_end_with_a_parent_that_is_killed(tmp_path: Path) -> None:
-    """They waited for tasks for ever."""
+    """Regression: they waited for tasks forever."""
     program = tmp_path / "parent.py"
     program.write_text(PARENT, encoding="utf-8")
     parent = subprocess.Popen(

@@ -443,7 +443,7 @@ def bytes_in_use() -> int:
     ids=["cells", "lumped", "finite", "sections", "slices", "sliding slices", "no state"],
 )
 def test_a_sweep_releases_its_memory(parts: list[Any], settings: list[float]) -> None:
-    """Nothing is lost with each of 40 sweeps but some pages of Python; the flanks take 10 kB."""
+    """40 sweeps leak no memory except some pages of Python; the flanks take 10 kB each."""
     records = record_of(*parts), record_of(*parts[:1] if parts[1:] else [])
     changes = {
         "settings": np.array([10.0, 30.0, 2.5, *settings]),
@@ -458,7 +458,7 @@ def test_a_sweep_releases_its_memory(parts: list[Any], settings: list[float]) ->
 
 @pytest.mark.parametrize("z", [1, 2])
 def test_arrays_that_are_no_record_are_refused_by_the_sweep(z: int) -> None:
-    """Foreign, cut short, or changed so that its parts would lie elsewhere."""
+    """Arrays without a mark, truncated, or with a changed layout."""
     good = record_of(("wedge", [0.0, 0.3]))
     bad = [np.zeros(0), np.zeros(500), np.full(500, NAN), good[:-1], good[: N_HEADER - 1]]
     for place, value in [

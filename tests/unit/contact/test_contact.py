@@ -281,7 +281,7 @@ def test_hundreds_of_pairs_meet_every_row() -> None:
 
 
 def test_the_door_doubles_a_vector() -> None:
-    """An interface that maps reals to C float would not."""
+    """A wrong interface, with reals as C float, would not."""
     vector = np.array([np.pi, 1e-300, -7.25])
     doubled, info = _core.flankload_double_vector(vector)
     assert info == 0

@@ -290,7 +290,7 @@ def layouts(matrix: np.ndarray) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("row_scales", [0.0, 0.01])
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_layout_of_the_matrix_changes_no_bit(friction: float, row_scales: float) -> None:
-    """Nor is it written to; to the last bit symmetric, symmetric to rounding, not symmetric."""
+    """For bitwise symmetric, nearly symmetric and unsymmetric matrices, which are not modified."""
     problem = many_pairs(friction=friction, row_scales=row_scales)
     rounded = problem["flexibility_matrix"].copy()
     rounded[np.triu_indices(MANY, 1)] *= 1.0 + 2e-16
@@ -388,7 +388,7 @@ def test_symmetric_matrix_is_not_copied(order: Any) -> None:
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_one_row_scale_for_many_pairs_is_the_general_form(friction: float) -> None:
-    """To rounding: diag(b) A is not made, and the loads take the scale."""
+    """To rounding: the loads are scaled instead of computing diag(b) A."""
     problem = many_pairs(friction=friction)
     levers, torque = problem["normal_lever_arms"], problem["torque"]
     general = fl.solve_contact_general(

@@ -74,7 +74,7 @@ def test_several_motions_and_preload_along_the_path() -> None:
 @pytest.mark.parametrize("n", [60, 200, 500])
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_long_paths_lose_no_digits(n: int, friction: float) -> None:
-    """Many more pairs change sides than a factor is kept for."""
+    """More pairs enter or leave than changes are kept with a factor."""
     matrix, row, gaps, torque = flank_problem(n, np.random.default_rng(n), friction=friction)
     levers = np.ones(n)
     path, single = (

@@ -172,7 +172,7 @@ def test_loads_that_no_forces_hold_are_proven() -> None:
 
 @pytest.mark.parametrize(("n", "proven"), [(2, True), (40, True), (300, False)])
 def test_an_unproven_answer_is_called_open(n: int, proven: bool) -> None:
-    """The same jamming each time; for 300 pairs the proof would take too long."""
+    """The same jammed problem in two sizes; for 300 pairs the proof would take too long."""
     found = "is in equilibrium with these loads" if proven else "was found; that none exists"
     message = f"no contact state {found}"
     with pytest.raises(errors.NoContactState, match=message) as caught:

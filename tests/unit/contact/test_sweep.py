@@ -37,7 +37,7 @@ def test_one_finite_element_job_a_body_whatever_the_positions() -> None:
 
 
 def test_rigid_body_costs_no_finite_elements(plain: fl.Result) -> None:
-    """A rigid mate: one factorisation only, and the pair is stiffer than with both yielding."""
+    """With a rigid mate, one factorisation is needed, and the pair is stiffer."""
     found = solved(two={"rigid": True}, by=fl.solve)
     assert found.cost["fe_factorisations"] == 1
     assert found.cost["unit_loads_normal"] == 5

@@ -104,7 +104,7 @@ def test_pairs_that_are_not_wanted_take_no_room() -> None:
 
 
 def test_a_failure_names_position_and_torque() -> None:
-    """Nothing is left out in silence: one state without an answer ends the sweep."""
+    """A single state without a solution ends the sweep with an error."""
     pair, _ = job("gears", 24)
     apart = replace(pair.pairing, center_distance_mm=200.0)
     with pytest.raises(

@@ -66,7 +66,7 @@ def test_projected_logarithm_agrees_with_quadrature(a: int, b: int) -> None:
 
 
 def test_unit_of_length_changes_only_the_constant_mode() -> None:
-    """K = -ln(s) in other units is K plus a constant, which only P_0 sees."""
+    """K = -ln(s) in other units is K plus a constant, which affects only P_0."""
     ratio, length = 25.4, 2.0
     scaled = projected_logarithm(5, ratio * length) / ratio**2
     expected = projected_logarithm(5, length)

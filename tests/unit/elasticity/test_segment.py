@@ -121,7 +121,7 @@ def test_single_tooth_is_a_row_of_one() -> None:
 
 
 def test_bodies_stay_elastic_however_small_their_elastic_part() -> None:
-    """Held places only stiffen a tooth; a segment moves along, and is positive definite still."""
+    """Fixed nodes only stiffen a tooth; a moving segment remains positive definite."""
     body = gear_body(17, 2.0)
     matrix = stiffness(body.mesh.nodes, body.mesh.cells, STEEL, "strain")
     loads = mode_loads(body.mesh, body.mode_range_mm, 4)

@@ -183,7 +183,7 @@ def test_each_fault_of_an_archive_has_its_line(tmp_path: Path, content: bytes, l
 
 
 def test_an_archive_damaged_in_its_lzma_is_refused(tmp_path: Path) -> None:
-    """LZMAError was a traceback."""
+    """Regression: LZMAError was a traceback."""
     path = tmp_path / "box.rexsz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_LZMA) as archive:
         archive.writestr("box.rexs", TEXT)

@@ -111,7 +111,7 @@ def test_entries_of_lists_are_keys_and_the_largest_torque_has_a_slider() -> None
 
 
 def test_no_key_that_both_bodies_share_has_a_slider_by_default() -> None:
-    """The module of one of both bodies of a spline had one: each other value is impossible."""
+    """Regression: the module of one body of a spline had a slider, but no other value."""
     scene = fl.read_scene(SCENES / "spline.toml")
     paths = [key.path for key in shown_keys(scene, keys_of(scene), ())]
     assert {"body_1.module_mm", "body_1.teeth"}.isdisjoint(paths)
@@ -198,7 +198,7 @@ def test_closing_leaves_no_thread_and_no_address() -> None:
 
 
 def test_an_answer_to_a_page_that_is_being_closed_does_not_end_the_thread(explorer: Any) -> None:
-    """Bokeh destroys a document before it calls back: the run of the other pages ended there."""
+    """Regression: a document destroyed before its callback ended the runs of other pages."""
     document = Document()
     page = Page(explorer, document)
     document.callbacks.destroy()
@@ -268,7 +268,7 @@ def test_an_error_of_the_program_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
     ],
 )
 def test_bars_are_not_over_the_angle_of_a_stage(name: str, labels: list[str]) -> None:
-    """The orders of a spectrum and the numbers of the planets had the label of the position."""
+    """Regression: orders of a spectrum and planet numbers had the label of the position."""
     sent: list[dict[str, Any]] = []
     picture = Picture(name, lambda model, **properties: sent.append(properties))
     engagement = SimpleNamespace(
@@ -281,7 +281,7 @@ def test_bars_are_not_over_the_angle_of_a_stage(name: str, labels: list[str]) ->
 
 
 def test_pressures_on_corners_alone_are_within_the_picture() -> None:
-    """The picture of a helical internal gear was empty: its range was that of no values."""
+    """Regression: the picture of a helical internal gear had no range and was empty."""
     sent: list[dict[str, Any]] = []
     picture = Picture("pressure", lambda model, **properties: sent.append(properties))
     engagement = SimpleNamespace(pairs_advance=True, words_for_sites=("pair", "pairs"))

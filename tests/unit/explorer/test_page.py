@@ -51,7 +51,7 @@ def until(condition: Any, seconds: float = 60.0) -> None:
 
 
 def test_a_broken_premise_is_a_red_frame_without_curves(explorer: Any, browser: Browser) -> None:
-    """First of all: the answer at rest was dropped as older than the pages painted before it."""
+    """Regression: the first answer at rest was dropped as outdated."""
     count = "m.renderers[2].data_source.get_length()"
     browser.wait(model("error", f"{count} > 30"))
     pictures = browser.value(SHOWN)

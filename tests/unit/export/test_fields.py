@@ -272,7 +272,7 @@ def test_torques_that_differ_little_have_folders_of_their_own(tmp_path: Path) ->
 
 
 def test_fields_do_not_replace_what_the_scene_reads(tmp_path: Path) -> None:
-    """The mesh of the scene was replaced by the field of its first position."""
+    """Regression: the field of the first position replaced the mesh of the scene."""
     mesh = tmp_path / "body_1_0000.vtu"
     body = {"kind": "mesh", "file": mesh.name, "teeth": 16, "reference_radius_mm": 33.8}
     body |= {"flank_set": "FLANK", "fixed_set": "BORE"}

@@ -249,7 +249,7 @@ PER_POSITION = {
 
 @pytest.mark.parametrize("difference", [0.0, -20.0])
 def test_positions_estimate_their_error_of_the_saw(difference: float) -> None:
-    """Against so many that both sides of its tooth are seen: 1/64 pitch from the place at most."""
+    """Compared with positions within 1/64 pitch on both sides of the jump."""
     belt = {"wrapped_teeth": 5, "pitch_difference_um": difference}
     fine = solved(body_2=belt, positions={"count": 64})
     for count in (4, 8):

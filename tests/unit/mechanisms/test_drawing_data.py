@@ -19,7 +19,7 @@ def number(text: str) -> float:
 
 
 def test_normal_backlash_includes_the_helix_angle_on_the_base_cylinder() -> None:
-    """`check` printed that of the transverse section, the report that of the normal section."""
+    """Regression: `check` printed the transverse value, the report the normal one."""
     keys = example("helical_gear")
     scene = fl.Scene.from_dict(keys)
     one, two = keys["body_1"], keys["body_2"]
@@ -42,7 +42,7 @@ def _angle(cosine: float) -> float:
 
 @pytest.mark.parametrize("k", [None, 4])
 def test_span_measurements_are_over_the_same_number_of_teeth(k: int | None) -> None:
-    """`check` chose 9 teeth of this wheel (and 2 of FZG C), the report 10 (and 3)."""
+    """Regression: `check` used 9 teeth of this wheel (2 of FZG C), the report 10 (3)."""
     sizes = {"teeth": 71, "module_mm": 2.5, "helix_angle_deg": 18.0, "tip_diameter_mm": 191.37}
     wheel = {"kind": "gear", "hand": "left", "profile_shift": -0.05, "bore_diameter_mm": 60.0}
     pinion = {"teeth": 23, "hand": "right", "profile_shift": 0.25, "tip_diameter_mm": 66.7}

@@ -116,7 +116,7 @@ def test_a_modulus_in_GPa_is_blamed() -> None:
 
 
 def test_a_follower_that_turns_by_a_tenth_of_a_radian_is_refused() -> None:
-    """A cam knows no module."""
+    """A cam has no module."""
     tables = cam_scene(accuracy=COARSE)
     tables["body_1"]["young_modulus_MPa"] = 500.0
     tables["load"]["torque_Nm"] *= 4

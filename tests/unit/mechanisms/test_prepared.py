@@ -396,7 +396,7 @@ def test_other_pitch_errors_build_no_body(monkeypatch: pytest.MonkeyPatch) -> No
 def test_contacts_without_a_state_in_slices_are_solved_with_cells(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Slices are the default of three dimensions; short contacts had no result."""
+    """Regression: short contacts had no result in slices, the default of three dimensions."""
 
     def once(
         scene: fl.Scene, *_: object, earlier: Earlier, plan: object = None

@@ -250,7 +250,7 @@ def enlarged(gear: dict[str, Any], strain: float) -> dict[str, Any]:
 
 
 def test_growth_closes_the_backlash_as_larger_gears_do() -> None:
-    """Both ways to turn, together: against gears made larger, on the same centre distance."""
+    """In both senses of rotation, compared with larger gears on the same centre distance."""
     strain = 11.5e-6 * 60
     found = solved(("temperature_rise_K", 60.0))
     larger = {"body_1": enlarged(ONE, strain), "body_2": enlarged(TWO, strain)}
@@ -291,7 +291,7 @@ def test_unloaded_rotation_follows_the_grown_involute() -> None:
 
 
 def test_all_that_grows_alike_stays_as_it_was() -> None:
-    """Gears and centre distance: only the torque has a larger arm.
+    """Gears and centre distance expand alike: only the lever arm of the torque is larger.
 
     Position zero is that of the gears as they were made, so wind-ups are compared.
     """

@@ -83,7 +83,7 @@ def test_twist_of_both_bodies_keeps_the_flanks_conjugate() -> None:
 
 
 def test_sites_include_all_pairs_of_all_slices() -> None:
-    """60 mm at 20 degrees are more than two pitches of overlap."""
+    """60 mm at 20 degrees: an overlap of more than two pitches."""
     helical = build_bodies(fl.Scene.from_dict(PAIR)).pairing.sites
     plane = {**PAIR, "effects": {"dimension": 3}}
     for body in ("body_1", "body_2"):

@@ -449,7 +449,7 @@ def test_many_pairs_share_one_name() -> None:
 def test_name_in_any_script_is_drawn(
     name: str, picture: Callable[[Result], Figure], result: Result
 ) -> None:
-    """Formulas are words, letters that no font has are boxes, and nothing warns."""
+    """Formulas are text, missing glyphs are boxes, and there are no warnings."""
     assert png_of(picture(replace(result, name=name))).startswith(b"\x89PNG")
 
 
@@ -460,6 +460,6 @@ def test_name_is_drawn_as_it_is_written(result: Result) -> None:
 
 
 def test_a_notebook_shows_the_figure_of_a_plot() -> None:
-    """A figure without pyplot was a line of text there."""
+    """Regression: a figure without pyplot was shown as a line of text."""
     figure: Any = made_up_result().plot.load_sharing().figure
     assert figure._repr_png_() == png_of(figure)

@@ -420,7 +420,7 @@ def test_larger_values_are_darker_in_all_maps() -> None:
 
 
 def test_slices_that_enter_are_named_at_curves_with_steps(result: fl.Result) -> None:
-    """A saw-tooth of the pressure and of the tangent stiffness had no explanation."""
+    """Steps of pressure and tangent stiffness are explained in the picture."""
     assert result.slices is not None
     said = f"steps come from slices of {result.slices.width_mm.max():.2g} mm that enter and leave"
     for name in ("peak_pressure", "stiffness"):

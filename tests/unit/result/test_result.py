@@ -365,7 +365,7 @@ def test_one_position_has_neither_mean_nor_peak_to_peak() -> None:
 
 
 def test_rounding_is_no_error_and_has_no_source() -> None:
-    """The estimate of a cam was 2e-14 % of its mean, and zero for its load share by its strips."""
+    """Regression: the estimate of a cam was 2e-14 % of its mean, with a source for zero."""
     positions = {"transmission_error_mean": 2e-16, "transmission_error_peak_to_peak": 0.018}
     estimate = {
         "load_share": 0.0,

@@ -308,7 +308,7 @@ def test_secant_stiffness_of_made_up_deflections_is_exact() -> None:
 
 
 def test_pressures_that_are_all_on_corners_have_no_estimate_of_none() -> None:
-    """The estimate was 0 %."""
+    """Regression: the estimate was 0 %."""
     plain = made_up_result()
     corners = replace(plain, corner_contact=np.ones_like(plain.corner_contact))
     text = "peak pressure not estimated (sharp corners)"

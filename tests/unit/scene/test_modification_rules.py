@@ -86,6 +86,6 @@ def test_a_relief_of_0_begins_nowhere(keys: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("key", ["tip_relief_shape", "root_relief_shape", "end_relief_shape"])
 def test_every_shape_of_a_relief_has_its_exponent(key: str) -> None:
-    """A shape without an entry was silently linear."""
+    """Regression: a shape without an entry was silently linear."""
     shapes = get_args(get_args(get_type_hints(Gear, include_extras=True)[key])[0])
     assert set(shapes) <= set(RELIEF_EXPONENTS)

@@ -406,7 +406,7 @@ def test_long_values_are_cut_in_the_message() -> None:
 
 
 def test_keys_of_a_body_have_the_order_of_a_design() -> None:
-    """The table of keys began with the tooth thickness; required keys came later."""
+    """Regression: the table of keys began with the tooth thickness instead of required keys."""
     keys = list(fields_of(Gear))
     assert keys[:4] == ["teeth", "module_mm", "tip_diameter_mm", "bore_diameter_mm"]
     assert set(keys[:4]) == set(required_of(Gear))

@@ -101,7 +101,7 @@ def test_the_largest_torque_counts_and_none_is_not_asked_about() -> None:
 
 
 def test_a_centre_distance_with_much_backlash_is_asked_about() -> None:
-    """A centre distance 2 mm too large: formerly without a question."""
+    """Regression: a centre distance 2 mm too large raised no question."""
     scene = fl.Scene.from_dict(changed(pair__center_distance_mm=74.0, effects__beyond_limits=True))
     (note,) = (note for note in build_bodies(scene).notes if "backlash" in note)
     assert note.startswith("pair.center_distance_mm = 74, is that what you mean? (backlash 1.64 mm")

@@ -460,7 +460,7 @@ def test_finer_elements_and_strips_are_better(study: AccuracyStudy) -> None:
 
 
 def test_errors_are_those_of_a_user_who_writes_the_lines(study: AccuracyStudy) -> None:
-    """Not the study's own bookkeeping: the scene is written, read and solved."""
+    """The scene is written, read and solved independently of the study."""
     row = study.cheapest(0.02)
     assert row is not None
     written = fl.Scene.from_dict(small_tree() | tomllib.loads(row.run.discretization.lines()))
@@ -616,7 +616,7 @@ def test_a_ladder_without_runs_leaves_the_error_of_the_default() -> None:
 
 
 def test_the_reference_run_is_not_named_cheapest() -> None:
-    """The finest run was the cheapest one for 0.01 % on a belt, whose ladder converges slowly."""
+    """Regression: the finest run was the cheapest for 0.01 % on a slowly converging belt."""
     found, ladders = steps_of([100.0, 101.0, 102.5])
     rows = tuple(Row("flank_element_mm", run, found.errors(run)) for run in found._done.values())
     study = AccuracyStudy(

@@ -254,7 +254,7 @@ def test_processes_give_the_bits_of_single_runs_and_a_lost_one_costs_nothing(
 
 
 def test_a_worker_that_is_lost_before_a_task_is_submitted_costs_nothing(tmp_path: Path) -> None:
-    """A broken pool raises in `submit`, of which the traceback was shown."""
+    """Regression: the traceback of a broken pool in `submit` was shown."""
     store = tmp_path / "a.sqlite"
     designs = Designs(variables_of({TORQUE: [100, 200, 300]}))
 

@@ -578,7 +578,7 @@ def test_an_impossible_scene_is_refused_like_a_run() -> None:
 
 
 def test_a_torque_that_breaks_a_premise_is_named_by_its_place_in_the_list() -> None:
-    """A coarse run has the least and the largest torque only: the third of three was the second."""
+    """Regression: coarse runs have two torques, so the third of three was named the second."""
     with pytest.raises(
         fl.PremiseError, match=re.escape("load.torque_Nm[2]: expected flank deflections")
     ):
@@ -682,7 +682,7 @@ def test_a_choice_is_the_scene_with_its_keys_written_out(
 
 
 def test_a_quarter_of_the_tolerance_is_not_rounded() -> None:
-    """1.25 % was "1.2 %, a quarter of" 5 %; 0.0025 % was "0.00 %"."""
+    """Regression: 1.25 % was printed as 1.2 %, a quarter of 5 %, and 0.0025 % as 0.00 %."""
     assert threshold_text(0.05) == "1.25 %"
     assert threshold_text(1e-4) == "0.0025 %"
     plan = fl.plan(scene_of(accuracy__tolerance=0.05, positions__count=4, body_2__rigid=True))

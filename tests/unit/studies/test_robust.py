@@ -183,7 +183,7 @@ def test_the_share_of_failures_has_exact_limits(count: int, low: float, high: fl
 
 
 def test_first_order_has_no_percentile_below_the_least_possible_value(found: Robust) -> None:
-    """A peak to peak of 1 with a standard deviation of 1 had a 5 % percentile of -0.645."""
+    """Regression: a peak to peak of 1 +- 1 had a 5 % percentile of -0.645."""
     least = {name: linear.least for name, linear in found.first_order.items()}
     assert least == {SWING: 0.0, CURVE: -np.inf}
     linear = FirstOrder(np.array([1.0, 3.0]), np.ones(2), {"a": np.ones(2)}, {}, least[SWING])

@@ -199,7 +199,7 @@ def test_elements_are_kept_where_strips_alone_are_refined() -> None:
 
 
 def test_named_elements_carry_no_more_modes_than_they_bear() -> None:
-    """Five of them had 3 modes by default, which left 28 % in doubt; 4 are better on any."""
+    """Regression: five elements had 3 modes, an error of 28 %; 4 are better on any elements."""
     found = said(solved(small(tolerance=0.1, flank_element_mm=2.0)))
     assert found["keys"]["accuracy"]["modes"] == 4
     assert found["met"]
@@ -410,7 +410,7 @@ def test_a_source_is_refined_by_its_order_and_no_further(
 
 
 def test_errors_that_add_up_with_their_signs_are_refined(met: fl.Result) -> None:
-    """The root of their squares is below the target; the same run was solved again."""
+    """Regression: with the root of squares below the target, the same run was solved again."""
     parameters, run = attempt({"modes": 0.006, "strips": 0.006}, met)
     choice = choose_discretization(parameters, [replace(run, errors={"load_share": 0.0105})], 0.01)
     assert choice is not None
@@ -462,7 +462,7 @@ def test_an_unreachable_tolerance_costs_only_a_few_runs(met: fl.Result) -> None:
 
 
 def test_the_choice_does_not_depend_on_measured_seconds(met: fl.Result) -> None:
-    """A busy machine had other elements, and so other results."""
+    """Regression: a busy machine chose other elements and thus had other results."""
     stages = {name: {**one, "cpu_s": 1e3} for name, one in met.cost["stages"].items()}
     stages["sweep"]["cpu_s"] = 1e9
     busy = replace(met, cost={**met.cost, "stages": stages})
@@ -485,7 +485,7 @@ def test_elements_of_a_cam_converge_by_the_first_order(met: fl.Result) -> None:
 
 
 def test_cheap_strips_are_refined_where_elements_take_too_long(met: fl.Result) -> None:
-    """They stayed at ten, and a pressure was wrong by 0.16 instead of 0.09 %."""
+    """Regression: they stayed at ten, with an error of pressure of 0.16 instead of 0.09 %."""
     parameters, run = attempt({"elements": 1.0, "strips": 0.02}, met)
     choice = choose_discretization(parameters, [run], 0.001)
     assert choice is not None
@@ -506,7 +506,7 @@ def test_a_third_run_solves_no_elements_and_is_the_last(met: fl.Result) -> None:
 @pytest.mark.parametrize("name", ["external_gear", "internal_gear", "spline"])
 @pytest.mark.parametrize("modes", [0.012, 0.03, 0.06])
 def test_elements_bear_the_modes_that_are_chosen(name: str, modes: float, met: fl.Result) -> None:
-    """On the bodies as they are meshed, which the choice does not look at."""
+    """Checked on the meshed bodies, which the choice does not use."""
     tree = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
     scene = fl.Scene.from_dict({**tree, "accuracy": {"tolerance": 0.01}})
     parameters = parameters_of(scene)
@@ -522,7 +522,7 @@ def test_elements_bear_the_modes_that_are_chosen(name: str, modes: float, met: f
 
 
 def test_more_modes_come_with_elements_that_bear_them_or_not_at_all() -> None:
-    """Six modes want twelve elements, of which a flank has nine by default."""
+    """Six modes need twelve elements; a flank has nine by default."""
     open_ = parameters_of(fl.Scene.from_dict(small(tolerance=0.01)))
     assert open_.finer(open_.values, "modes") == {**open_.values, MODES: 6, ELEMENTS: 0.75}
     named = parameters_of(fl.Scene.from_dict(small(tolerance=0.01, flank_element_mm=1.0)))
@@ -560,7 +560,7 @@ def test_a_miss_names_its_limit(met: fl.Result) -> None:
 
 
 def test_a_belt_says_why_finer_elements_help_little(met: fl.Result) -> None:
-    """Its corners are no corners of pairs, and no tip radius cures them."""
+    """Its corners are not those of contacts, and a tip radius would not help."""
     why = reasons(belt(), met, {ELEMENTS: 0.01}, 0.0)
     assert why.startswith(
         "the parameter is at its finest value; near the corners of teeth and lands"
@@ -569,7 +569,7 @@ def test_a_belt_says_why_finer_elements_help_little(met: fl.Result) -> None:
 
 
 def test_a_miss_names_all_sources_that_exceed_the_tolerance(met: fl.Result) -> None:
-    """Not the largest one alone: where it shrinks the tolerance is missed all the same."""
+    """All of them, since reducing only the largest one would not meet the tolerance."""
     by_source = {"strips": 0.03, "modes": 0.02, "elements": 0.005}
     parameters, run = attempt(by_source, met, quantity="peak_pressure")
     found = tolerance_report(fl.Scene.from_dict(small(tolerance=0.01)), parameters, [run])
@@ -583,7 +583,7 @@ def test_a_miss_names_all_sources_that_exceed_the_tolerance(met: fl.Result) -> N
 
 # --- messages -------------------------------------------------------------------------------------
 def test_peak_to_peak_names_its_reference() -> None:
-    """A tolerance was met at 0.15 % below an estimate of 5 % of a small peak to peak."""
+    """The error is relative to the largest value, not to a small peak to peak."""
     tree = tomllib.loads((SCENES / "cam.toml").read_text(encoding="utf-8"))
     tree["positions"]["count"] = 12
     tree["accuracy"] = {"tolerance": 0.01, "modes": 4, "strips_per_half_width": 4.0}
@@ -621,7 +621,7 @@ def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
 
 
 def test_steps_are_printed_as_short_as_they_are(tight: fl.Result) -> None:
-    """Strips went from 56.0 to 80.0."""
+    """Regression: strips were printed as 56.0 and 80.0."""
     found = said(tight)
     found["tightened"] = {"strips_per_half_width": [56.0, 80.0], "modes": [None, 7]}
     line = next(line for line in accuracy_lines(found) if line.startswith("refined"))

@@ -66,7 +66,7 @@ def test_rigid_motions_meet_no_resistance() -> None:
 
 
 def test_a_translation_across_is_rigid_in_the_turning_frame() -> None:
-    """v = (cos kz, -sin kz): as rigid as the polynomials follow it, and not by the other sign."""
+    """v = (cos kz, -sin kz) has no strain up to polynomial errors; the other sign has."""
     twist = 0.03
     one = np.ones(len(MESH.nodes))
 
