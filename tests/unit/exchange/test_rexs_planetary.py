@@ -61,6 +61,41 @@ def test_without_positions_planets_are_equally_spaced(tmp_path: Path) -> None:
     assert any("the planets are equally spaced" in line for line in found.lines)
 
 
+def bearing(number: int, planet: int, clearance: float) -> tuple[str, str]:
+    """Relation and component of a bearing of a planet."""
+    refs = f'<ref id="{number}" role="assembly"/><ref id="{planet}" role="outer_part"/>'
+    values = '<attribute id="radial_stiffness" unit="N / m">1.5e8</attribute>'
+    values += f'<attribute id="radial_bearing_clearance" unit="mum">{clearance}</attribute>'
+    kind = "rolling_bearing_with_catalog_geometry"
+    return (
+        f'<relation id="{number}" type="side">{refs}</relation>',
+        f'<component id="{number}" type="{kind}" name="bearing">{values}</component>',
+    )
+
+
+def test_bearings_of_the_planets(tmp_path: Path) -> None:
+    """Two for each planet, of 150 N/um; one of them has more clearance."""
+    both = [
+        bearing(900 + 2 * j + k, 54 + j, 30 if (j, k) == (2, 1) else 20)
+        for j in range(4)
+        for k in range(2)
+    ]
+    relations, components = ("".join(parts) for parts in zip(*both, strict=True))
+    text = TEXT.replace("</relations>", f"{relations}</relations>")
+    text = text.replace("</components>", f"{components}</components>")
+    found = made(tmp_path, text)
+    stage = found.scene.stage
+    assert stage is not None
+    assert stage.pin_stiffness_N_per_um == 300.0
+    assert stage.pin_clearance_um == (20.0, 20.0, 30.0, 20.0)
+    assert any("the clearance of its bearings is that before mounting" in x for x in found.lines)
+    assert not any("rolling_bearing" in line for line in found.lines)
+    text = text.replace('unit="N / m">1.5e8</attribute>', 'unit="N / m">2e8</attribute>', 1)
+    uneven = made(tmp_path, text)
+    assert uneven.scene.stage.pin_stiffness_N_per_um is None  # type: ignore[union-attr]
+    assert any("planets have different bearings" in line for line in uneven.lines)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [

@@ -23,6 +23,7 @@ FACTORS: dict[str, dict[str, float]] = {
     "um": {"mum": 1.0, "um": 1.0, "µm": 1.0, "μm": 1.0, "mm": 1e3, "m": 1e6},
     "deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / pi},
     "N m": {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "kN m": 1e3},
+    "N/um": {"N / m": 1e-6, "N/m": 1e-6, "N / mm": 1e-3, "N/mm": 1e-3, "N / mum": 1.0},
     "MPa": {"N / mm^2": 1.0, "N/mm^2": 1.0, "MPa": 1.0, "Pa": 1e-6, "GPa": 1e3},
 }
 #: Digits of a converted number: 0.023 mm is 23 um, not 23.000000000000004.
@@ -46,7 +47,7 @@ class Entry:
     @property
     def unit(self) -> str:
         """Unit of the scene key, as in `FACTORS`."""
-        unit = self.key.rpartition("_")[2]
+        unit = "N/um" if self.key.endswith("_N_per_um") else self.key.rpartition("_")[2]
         return unit if unit in FACTORS else ""
 
 
@@ -56,6 +57,10 @@ GEAR, RING = GEARS[:1], GEARS[1:]
 TIP, PROFILE, HELIX = ("tip_relief",), ("profile_crowning",), ("helix_crowning",)
 ROOT, MADE = ("root_relief",), ("cylindrical_gear_manufacturing_settings",)
 LOAD = ("external_load",)
+BEARING = (
+    *("rolling_bearing_with_catalog_geometry", "rolling_bearing_with_detailed_geometry"),
+    "concept_bearing",
+)
 ENDS = ("end_relief_datum_face", "end_relief_non_datum_face")
 
 
@@ -172,6 +177,12 @@ TABLE = (
          "left or right: flank with the profile and its modifications"),
         ("torque", "N m", "load.torque_Nm", "amount; of gear 2 by the ratio of the teeth"),
     ),
+    *_of(BEARING,
+        ("radial_stiffness", "N / m", "stage.pin_stiffness_N_per_um",
+         "of a planet, sum of its bearings"),
+        ("radial_bearing_clearance", "mum", "stage.pin_clearance_um",
+         "of a planet, before mounting, largest of its bearings"),
+    ),
     *_of(LOAD,
         ("torque_around_u_axis", "N m", "load.torque_Nm",
          "amount, if it is the only torque on a shaft with one gear of one stage"),
@@ -238,7 +249,7 @@ def reason_for(attribute: str) -> str:
 def reason_for_type(kind: str) -> str:
     """The reason for which components of a type are not read."""
     if "bearing" in kind:
-        return "bearings are not read"
+        return "bearings are read of planets only"
     return REASONS_OF_TYPES.get(kind, NOT_OF_STAGE)
 
 

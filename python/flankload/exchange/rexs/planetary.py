@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import atan2, degrees, hypot
 from typing import TYPE_CHECKING, Any
 
+from flankload.exchange.rexs.attributes import BEARING
 from flankload.exchange.rexs.body import body_of
 from flankload.exchange.rexs.flanks import content_of, data_of, flank_of
 from flankload.exchange.rexs.pair import SAME_DISTANCE, pair_of
@@ -80,7 +81,7 @@ def tables_of_planets(
         "body_1": sun.keys,
         "planet": planet.keys,
         "body_2": ring.keys,
-        "stage": _spacing(stock, component, gears),
+        "stage": _spacing(stock, component, gears) | _on_bearings(stock, gears),
         "pair": pair,
     }
     return tree, _torque_on_sun(stock, gears)
@@ -161,6 +162,51 @@ def _spacing(stock: Stock, component: Component, gears: Planets) -> dict[str, An
         return {"planets": n}
     stock.assume(component, "angles of the planets: the torque turns the sun about its u axis")
     return {"angles_deg": angles}
+
+
+def _on_bearings(stock: Stock, gears: Planets) -> dict[str, Any]:
+    """Keys of the bearings of the planets, side by side on their pins: stiffness and clearance."""
+    sources = [
+        [stock.source(part) for part in _bearings_of(stock.model, planet)]
+        for planet in gears.planets
+    ]
+    found: dict[str, Any] = {}
+    sums = [_sum([one.number("radial_stiffness", "N/um") for one in each]) for each in sources]
+    if sums[0] and sums.count(sums[0]) == len(sums):
+        found["pin_stiffness_N_per_um"] = sums[0]
+    elif any(sums):
+        lacks = "planets have different bearings, or some without this attribute"
+        for one in (one for each in sources for one in each):
+            if "radial_stiffness" in one.component.attributes:
+                stock.leave(one.component, "radial_stiffness", lacks)
+    largest = [
+        max((one.number("radial_bearing_clearance", "um") or 0.0 for one in each), default=0.0)
+        for each in sources
+    ]
+    if any(largest):
+        stock.assume(gears.planets[0], "the clearance of its bearings is that before mounting")
+        alike = largest.count(largest[0]) == len(largest)
+        found["pin_clearance_um"] = largest[0] if alike else largest
+    return found
+
+
+def _sum(values: list[float | None]) -> float | None:
+    """Sum of numbers; None without any, or if one is unknown."""
+    known = [value for value in values if value is not None]
+    return sum(known) if known and len(known) == len(values) else None
+
+
+def _bearings_of(model: Model, planet: Component) -> list[Component]:
+    """Bearings beside a planet, or beside the shaft to which it belongs."""
+    shafts = model.partners("assembly", "part", planet.id, "assembly")
+    parts = {
+        part.id: part
+        for body in (planet, *shafts)
+        for role in ("inner_part", "outer_part")
+        for part in model.partners("side", role, body.id, "assembly")
+        if part.type in BEARING
+    }
+    return list(parts.values())
 
 
 def _angles_deg(stock: Stock, gears: Planets) -> list[float] | None:
