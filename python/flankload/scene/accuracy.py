@@ -29,8 +29,8 @@ class Accuracy(Table, frozen=True, kw_only=True):
     tangents: Annotated[
         bool,
         about(
-            "false: the tangent stiffness is that of fixed contact zones, in three quarters of the "
-            "time of the sweep, and 0.1 to 0.3 % smaller"
+            "false: the tangent stiffness keeps the contact zones fixed: 0.1 to 0.3 % smaller, in "
+            "three quarters of the time of the sweep"
         ),
     ] = True
     flank_element_mm: Annotated[
