@@ -207,7 +207,7 @@ def estimate_errors(
         run(compliances=…, grid=…, part=…) repeats the sweep with other compliances or cells at the
         positions `at`; part counts the calls from 0.
     compliances
-        Those of the sweep.
+        Compliances of the sweep.
     cells : Grid
         Cells of the reduced sweeps: coarser ones, those of the sweep if contacts are lumped.
     weights : (n,) array

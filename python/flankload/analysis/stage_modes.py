@@ -106,9 +106,9 @@ class StageSystem:
     pins_N_per_mm : (float, float) or None
         Radial and tangential stiffness of a pin; None if it is rigid.
     inertias : four Inertia
-        Of the sun, of a planet, of the ring and of the carrier.
+        Inertias of the sun, a planet, the ring and the carrier.
     supports : three Support
-        Of sun, ring and carrier.
+        Supports of sun, ring and carrier.
     """
 
     angles_rad: Floats
@@ -226,7 +226,7 @@ class StageModes:
     torque_Nm : float
     sun_teeth : int
     inertias : four Inertia
-        Of the sun, of a planet, of the ring and of the carrier.
+        Inertias of the sun, a planet, the ring and the carrier.
     modes : tuple of Mode
         By ascending frequency.
     """

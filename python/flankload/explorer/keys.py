@@ -55,7 +55,7 @@ class Key:
     value : float
         In the scene; 0 if the key is absent.
     low, high, step : float
-        Of the slider: the usual range, within that of the schema.
+        Range and step of the slider: the usual range, within that of the schema.
     least, most : float
         Range of the schema.
     whole : bool

@@ -53,7 +53,7 @@ def write_vtu(
     scene : Scene, typed pair, path or mapping
         As for `solve`.
     results : Result or sequence of Result
-        Of this scene.
+        Results of this scene.
     folder : path
     positions : sequence of int, optional
         Indices of positions; by default all.

@@ -136,7 +136,7 @@ class BodyInContact(ABC):
         Parameters
         ----------
         result : Result
-            Of the scene of the bodies; its discretization may be another one.
+            Result of the scene of the bodies, possibly with another discretization.
         p : int
             Index of the position.
         """

@@ -42,7 +42,7 @@ def bodies_of(
     names : tuple of str
         Tables of the bodies in the scene.
     parts : Parts, optional
-        Of earlier runs.
+        Parts of earlier runs.
     modified_elements : bool
         Whether elements follow the modified flanks, for another program.
 

@@ -204,8 +204,8 @@ def plot_all(
     Parameters
     ----------
     results : Result, or sequence of Result
-        Of one scene, one per torque. Plots over positions have a curve per torque; plots of one
-        torque show the largest.
+        Results of one scene, one per torque. Plots over positions have a curve per torque; plots of
+        one torque show the largest.
     directory : path
         Created if it does not exist.
     formats : sequence of {"png", "svg", "pdf"}
@@ -257,7 +257,7 @@ def draw_on(
         With None, a new figure with title and margins; of several panels, the first one, unless
         options choose another.
     **options
-        Of the function `draw_…`.
+        Options of the function `draw_…`.
 
     Returns
     -------
@@ -288,7 +288,7 @@ def pictures_of(results: Result | Sequence[Result]) -> tuple[str, ...]:
     Parameters
     ----------
     results : Result, or sequence of Result
-        Of one scene, one per torque.
+        Results of one scene, one per torque.
 
     Returns
     -------

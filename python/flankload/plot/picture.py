@@ -162,9 +162,9 @@ def figure_of(
     size : (float, float)
         Inches.
     projection : str, optional
-        Of `add_subplot`.
+        Projection for `add_subplot`.
     **options
-        Of `draw`.
+        Options of `draw`.
     """
     with panels(shown, title if second else "", size) as figure:
         axes = figure.add_subplot(projection=projection)

@@ -80,7 +80,7 @@ def report_html(
     Parameters
     ----------
     results : Result, or sequence of Result
-        Of `solve`, or one per torque.
+        Results of `solve`, one per torque.
     scene : Scene, typed pair, path or mapping
         The scene that was solved, as for `solve`.
     line : str

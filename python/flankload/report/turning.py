@@ -236,7 +236,7 @@ def load_shape(
     scales : (float, float)
         As for `scales_of`.
     size_mm : float
-        Of the picture.
+        Size of the picture.
     """
     reach_mm = _largest_arrow(result) * size_mm
     rows = np.flatnonzero((table.site == result.sites[s]) & (table.force_N > 0))

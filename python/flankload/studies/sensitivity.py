@@ -70,7 +70,7 @@ class Sensitivity(Card):
     scene : Scene
     paths : tuple of str
     results : tuple of Result
-        Of the scene, one for each torque.
+        Results of the scene, one per torque.
     cost : dict
         CPU seconds of the scene itself, `run_s`, and of all derivatives, `derivatives_s`; number of
         states that were continued from known contacts, `continued_states`, and of those that were

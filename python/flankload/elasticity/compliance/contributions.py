@@ -80,9 +80,9 @@ class NearProducts:
     normal : (p, p) array
         <P, K P> of normal displacements under normal loads.
     along : (p, p) array
-        That of normal displacements under loads along the profile; 0 without friction.
+        The same for normal displacements under loads along the profile; 0 without friction.
     tangential : (p, p) array or 0
-        That of displacements along the profile under these, if they are read.
+        The same for displacements along the profile under these loads, if they are read.
     """
 
     axial: AxialModes
@@ -207,7 +207,7 @@ class RimResponse:
     modes : (3, p) array
         Resultant of the modes of tooth 0: forces along the axes of its frame, and moment, mm.
     forces : (3, r) array
-        That of the forces on the rim of sector 0.
+        Resultant of the forces on the rim of sector 0.
     """
 
     by_modes: Floats

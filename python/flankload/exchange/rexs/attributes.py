@@ -249,7 +249,7 @@ def reason_for(attribute: str) -> str:
 def reason_for_type(kind: str) -> str:
     """The reason for which components of a type are not read."""
     if "bearing" in kind:
-        return "bearings are read of planets only"
+        return "only bearings of planets are read"
     return REASONS_OF_TYPES.get(kind, NOT_OF_STAGE)
 
 

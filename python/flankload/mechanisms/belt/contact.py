@@ -63,7 +63,7 @@ class BeltState:
     tight_N_per_mm : float
         Reaction at the tight end.
     degrees_of_freedom : int
-        Of the finite elements.
+        Number of degrees of freedom of the finite elements.
     """
 
     first_tooth: int

@@ -49,7 +49,7 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
     errors : Errors
     supports : Supports
     slices : tuple of Slices
-        Of each mesh; in the mirror image for meshes that are in it.
+        Slices of each mesh; in the mirror image for meshes that are in it.
     discretization : Discretization
     effects : Effects
     position_rad : (P,) array

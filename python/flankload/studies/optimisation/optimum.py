@@ -58,11 +58,11 @@ class Optimum:
     scene : Scene
         The given one with the optimal values.
     results : tuple of Result
-        Of this scene, one per torque.
+        Results of this scene, one per torque.
     variables : tuple of OptimisedVariable
     objective_name : str
     objective_before, objective : float
-        Of the given and of the optimal scene, both solved with their own settings.
+        Objectives of the given and of the optimal scene, both solved with their own settings.
     constraints : tuple of Limit
     gradient_norm : float
         1-norm of the projected gradient of the Lagrangian with respect to the variables as parts

@@ -58,7 +58,7 @@ class Robust(Card):
     Attributes
     ----------
     name : str
-        Of the scene.
+        Name of the scene.
     torques_Nm : tuple of float or None
         If the scene has a list of torques.
     first_order : dict of FirstOrder
