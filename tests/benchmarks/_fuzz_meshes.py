@@ -81,7 +81,7 @@ def fuzz_meshes(seed: int, count: int) -> Tally:
 
 
 def _read(path: Path) -> None:
-    """As `flankload check` does, then as body 1 of a scene."""
+    """Read a mesh as `flankload check` does, then as body 1 of a scene."""
     if path.suffix != ".npz":
         mesh = read_mesh(path)
         list(find_defects(mesh))

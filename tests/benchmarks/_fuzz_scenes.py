@@ -79,7 +79,7 @@ def _try(tally: Tally, tree: Tree, why: str | None, place: str, *, plan: bool) -
 
 
 def _check(scene: fl.Scene) -> None:
-    """As the command does."""
+    """Check a scene as the command does."""
     if scene.body_2.kind in ("belt", "chain"):
         mechanism_of(scene).describe(scene)
     else:
@@ -87,7 +87,7 @@ def _check(scene: fl.Scene) -> None:
 
 
 def faults_of(result: fl.Result) -> list[str]:
-    """What cannot be of a result, whatever the scene."""
+    """Properties that no result of any scene may have."""
     faults = []
     for name in ("rotation_rad", "site_force_N", "peak_pressure_MPa", "load_share"):
         if not np.isfinite(getattr(result, name)).all():

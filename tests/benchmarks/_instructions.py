@@ -53,7 +53,7 @@ class Counted:
 
     @property
     def whole(self) -> int:
-        """Of the whole call."""
+        """Instructions of the whole call."""
         return sum(self.own.values())
 
 

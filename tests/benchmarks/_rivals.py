@@ -1,4 +1,4 @@
-"""What packages need for the problems of the bench: time, ratio to ours, and how exactly."""
+"""Other packages on the problems of the benchmark: time, ratio to the core's, accuracy."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PATIENCE_S = 60.0
 
 @dataclass(frozen=True)
 class Measured:
-    """What a package needed for a problem.
+    """Measured values of a package on one problem.
 
     Attributes
     ----------

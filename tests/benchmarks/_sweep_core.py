@@ -41,7 +41,7 @@ class Job:
 
     @cached_property
     def compliances(self) -> tuple[BodyCompliance, BodyCompliance]:
-        """Of both bodies."""
+        """Compliances of both bodies."""
         pair = self.bodies
         return compliance_of(pair.body_1, self.scene), compliance_of(pair.body_2, self.scene)
 
@@ -57,7 +57,7 @@ class Job:
         return sweep(contact, self.positions(count), torques_Nmm)
 
     def contact(self, grid: Grid, level: Level = "pairs") -> FlankContact:
-        """Of both bodies, without friction."""
+        """Contact of both bodies, without friction."""
         return FlankContact(self.bodies, self.compliances, grid, level)
 
 

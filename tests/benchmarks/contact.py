@@ -45,7 +45,7 @@ WANTED = "What is wanted, and what this run has measured: mu = {:g}, then mu = {
 
 @dataclass(frozen=True)
 class Row:
-    """What was measured of our loops for one problem; times in ms."""
+    """Measured values of one problem solved by the core; times in ms."""
 
     friction: float
     core: CoreTimes
@@ -56,7 +56,7 @@ class Row:
 
     @property
     def ours(self) -> Measured:
-        """As an answer among those of packages."""
+        """The core's answer in the form of those of packages."""
         return Measured(self.core.auto, self.residual)
 
 

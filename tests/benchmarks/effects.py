@@ -1,4 +1,4 @@
-"""What effects cost the core in instructions: absent, absent beside others, and on.
+"""Instructions that effects cost the core: absent, absent beside others, and on.
 
 The sweep of the external pair at a few positions, under callgrind: counts, not seconds, so that
 they are the same on a loaded machine. Whatever the core runs with an effect and not in the plain

@@ -1,4 +1,4 @@
-"""What the plan predicts beside what runs measure: sizes of effects, seconds, on every example.
+"""Predictions of the plan compared with runs: sizes of effects, seconds, on every example.
 
 A size is measured by two runs of the example as it is, seconds by the shortest of three (of
 long ones by the first) in a process that has loaded its packages, extra seconds by the difference
@@ -147,7 +147,7 @@ def _solved(scene: fl.Scene, *, once: bool = False) -> tuple[tuple[fl.Result, ..
 
 
 def _states(results: tuple[fl.Result, ...]) -> list[States]:
-    """As the plan takes them: of the least and the largest torque."""
+    """States of the smallest and the largest torque, as the plan uses them."""
     loaded = [result for result in results if result.torque_Nm > 0]
     ends = {id(result): result for result in (loaded[0], loaded[-1])}
     return [

@@ -118,7 +118,7 @@ def _large_run() -> list[str]:
 
 
 def _measure_large_run() -> dict[str, float]:
-    """Of this process; a tenth of the run, for a quiet moment, shows the effect of threads."""
+    """Measured in this process; a tenth of the run, in a quiet moment, shows what threads do."""
     count = int(os.environ.get("FLANKLOAD_SWEEP_POSITIONS", "1000"))
     job = Job(fl.read_scene(SCENE))
     torques = list(np.linspace(0.2, 1.5, 10) * TORQUE)

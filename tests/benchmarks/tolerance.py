@@ -1,4 +1,4 @@
-"""What a named tolerance is worth: met or not, and CPU time over that of the cheapest run.
+"""Whether a named tolerance is met, and its CPU time over that of the cheapest run.
 
 FLANKLOAD_TOLERANCE=… sets another number of scenes than 42 (a sixth of them, splines, is left out:
 their true pressures would take many minutes), FLANKLOAD_SEED=… draws others; what is
@@ -103,7 +103,7 @@ def table(found: list[dict[str, Any]]) -> list[str]:
 
 
 def compared(tree: dict[str, Any], tolerance: float, truth: _Truth) -> dict[str, Any]:
-    """What a tolerance gives and takes, beside the cheapest step of the ladder that meets it."""
+    """Accuracy and cost of a tolerance, and the cheapest step of the ladder that meets it."""
     scene = fl.Scene.from_dict({**open_positions(tree), "accuracy": {"tolerance": tolerance}})
     runs = [fl.solve(scene) for _ in range(TIMES)]
     result = runs[0]
@@ -148,7 +148,7 @@ class _Truth:
         return found
 
     def at(self, result: fl.Result) -> fl.Result:
-        """At the positions of a result."""
+        """True result at the positions of a result."""
         return self._solved(_same(result), TRUE_STRIPS)
 
     def of_curve(self, result: fl.Result, true: fl.Result) -> Errors:

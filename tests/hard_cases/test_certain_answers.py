@@ -108,8 +108,8 @@ def test_the_sign_of_a_sum_is_that_of_the_given_numbers(method: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_lever_of_rounding_holds_a_load(method: str) -> None:
-    """Only the lever of 1e-13 works on the second load, by a force of 100 that pair 2 presses back:
-    it was called proven that no forces hold the loads."""
+    """Only the lever of 1e-13 acts on the second load, with a force of 100 that pair 2 balances.
+    Regression: it was reported as proven that no forces hold the loads."""
     levers = np.array([[1.0, 0.0], [1.0, 1e-13], [-1.0, 0.0], [0.0, -1.0]])
     problem = Problem(np.eye(4) + 0.1, np.zeros(4), levers, levers, np.array([1.0, 1e-11]))
     state = solve_and_judge(problem, method)

@@ -55,7 +55,7 @@ def solve(
 
 
 def guesses(n: int) -> list[list[int] | None]:
-    """No guess, all pairs from the last to the first, the last one, every other one."""
+    """First guesses: none, all pairs in reverse order, the last pair, every second pair."""
     return [None, list(range(n))[::-1], [n - 1], list(range(0, n, 2))]
 
 
@@ -363,9 +363,9 @@ def test_murty_and_fathi_matrices(method: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_murty_and_fathi_problems_that_cost_exponentially_many_pivots(method: str) -> None:
-    """As they were published, all unknowns but one without lever: F >= 0, M F + q >= 0.
+    """The published problems F >= 0, M F + q >= 0; all unknowns but one have no lever.
 
-    A last pair, that no other moves, holds the motion.
+    A last pair, which no other one moves, holds the motion.
     """
     n = 14
     lower = np.eye(n) + 2.0 * np.tril(np.ones((n, n)), -1)
@@ -417,7 +417,7 @@ def test_layouts_and_kinds_of_arrays(order: str) -> None:
 @pytest.mark.parametrize("number", range(8))
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_the_core_answers_no_numbers_that_are_none(number: int, bad: float) -> None:
-    """At the flat interface, by every method, at every place.
+    """NaN or infinity in any entry, at the flat interface, with every method.
 
     Columns of K are read as they are needed: that of pair 3, which stays open, may stay unread,
     but then nothing is proven.

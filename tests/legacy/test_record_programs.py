@@ -77,7 +77,7 @@ def test_fixed_form_fortran_solves_a_pair_from_its_files(
 def test_c_solves_a_pair_from_its_files(
     pair: tuple[fl.Result, Path], prefix: Path, workshop: Path, environment: dict[str, str]
 ) -> None:
-    """By handles, in C and through ctypes."""
+    """The programs use handles, in C and through ctypes."""
     result, records = pair
     folder = built(EXAMPLES / "c", workshop / "c", environment, static=False, program="records")
     script = [EXAMPLES / "c" / "records_ctypes.py", prefix / "lib" / "libflankload.so", records]

@@ -143,7 +143,7 @@ def test_threads_of_the_caller(static, sweep_file, workshop, environment) -> Non
 @pytest.mark.parametrize("folder", FOLDERS)
 @pytest.mark.parametrize("program", ["loads", "sweep"])
 def test_data_that_end_too_early_get_one_line(folder, program, workshop, environment) -> None:
-    """For data that end at any place."""
+    """Data may end anywhere."""
     path = example(folder, workshop, environment, static=False, program=program) / program
     lines = (DATA if program == "loads" else SWEEP_DATA).read_text(encoding="ascii").splitlines()
     wholes = [lines[:k] for k in (0, 1, 2, 3, 4, len(lines) // 3, len(lines) - 1)]

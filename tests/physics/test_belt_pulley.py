@@ -180,7 +180,7 @@ def test_compliance_of_the_pulley_is_symmetric_before_it_is_made_so() -> None:
 
 
 def test_shape_functions_are_exact_for_linear_fields() -> None:
-    """At any angles: displacements of shape functions that follow an inclined land."""
+    """Displacements by shape functions follow an inclined land at any angle."""
     found = known(T10)
     nodes = found.mesh.sector.nodes[found.mesh.land]
     angles = np.arctan2(nodes[:, 1], nodes[:, 0])

@@ -41,7 +41,7 @@ def solved(*args: object, **keys: object) -> tuple[fl.Result, BodyPair, CamConta
 @FOLLOWERS
 @pytest.mark.parametrize("profile", [None, waves()], ids=["disc", "hollows"])
 def test_pressure_is_that_of_hertz(profile: list | None, follower: dict) -> None:
-    """With the curvatures at the place of contact, convex and concave."""
+    """Curvatures are those at the place of contact, convex and concave."""
     result, pair, contacts = solved(profile, follower, positions={"count": 24})
     own = pair.body_2.curve.curvature(contacts.arc_length_mm)
     if profile is not None and not follower:

@@ -187,7 +187,7 @@ def test_backlash_leaves_slices_as_they_are_without_coast_flanks() -> None:
 
 
 def test_forces_on_both_flanks_balance_the_torque_and_reach_the_nodes() -> None:
-    """With friction; the axial force is the difference of both flanks."""
+    """The pair has friction; its axial force is the difference of those of both flanks."""
     keys = {"positions__angles_deg": [2.0], "load__torque_Nm": 60.0}
     scene = tight("helical_gear", **keys, effects__friction_coefficient=0.1)
     result = result_of(scene)

@@ -164,7 +164,7 @@ def test_positions_are_on_corners(fine: fl.Result) -> None:
 
 
 def test_default_on_corners_is_that_of_twelve_modes(fine: fl.Result, default: fl.Result) -> None:
-    """Without the image rotation 0.3 % and share 0.5 points off."""
+    """Without the image, the rotation is off by 0.3 % and the share by 0.5 points."""
     largest = fine.rotation_rad.max()
     np.testing.assert_allclose(default.rotation_rad, fine.rotation_rad, rtol=0, atol=PAIR * largest)
     np.testing.assert_allclose(default.load_share, fine.load_share, rtol=0, atol=PAIR)

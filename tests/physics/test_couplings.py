@@ -171,7 +171,7 @@ def pressed(wider_um: float, torque_Nm: float, **changes: Any) -> fl.Result:
 
 
 def test_a_press_fit_carries_on_both_sides_of_its_teeth() -> None:
-    """As in the plane: flanks recede by (S + X) F in preload, (S - X) dF by torque, S F alone."""
+    """Flanks recede as in the plane: (S + X) F in preload, (S - X) dF by torque, S F alone."""
     preload, more, alone = (pressed(*case) for case in ((3.0, 0.0), (3.0, 200.0), (-3.0, 400.0)))
     assert preload.coast is not None
     assert more.coast is not None

@@ -36,7 +36,7 @@ def turned_by_torque() -> tuple[float, float]:
 
 
 def test_root_stress_is_that_of_plane_cells() -> None:
-    """With the distribution of the force over the height: measured 0.07 %."""
+    """The force is distributed over the height as in the plane: measured difference 0.07 %."""
     one, two = both(effects__root_stress=True)
     for z in (0, 1):
         solid, flat = one.root_stress[z], two.root_stress[z]

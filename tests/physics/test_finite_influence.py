@@ -190,7 +190,7 @@ def test_effect_grows_as_bodies_get_softer() -> None:
 
 
 def test_steel_gears_on_coarse_nodes_change_by_a_fiftieth_of_a_percent() -> None:
-    """By -0.02 % with widely spaced pairs; by less with more pairs, whose forces are smaller."""
+    """The change is -0.02 % with widely spaced pairs, less with more pairs of smaller forces."""
     finite, small = (
         solved(soft=1.0, near_field="nodes", influence=kind) for kind in ("finite", "small")
     )

@@ -236,8 +236,8 @@ def test_small_torque_goes_to_the_unloaded_transmission_error() -> None:
 
 
 def test_centre_distance_error_leaves_involutes_conjugate() -> None:
-    """Only backlash, working angle and contact ratio change; without load nothing is transmitted
-    unevenly, and the mating flanks have moved apart by the backlash alone."""
+    """Only backlash, working angle and contact ratio change; without load the transmission error
+    stays zero, and the mating flanks have moved apart by the backlash alone."""
     ratios = []
     for error in (-0.02, 0.0, 0.1, 0.4):
         pair = {"center_distance_mm": DISTANCE + error + 0.05, "face_width_mm": 14}

@@ -64,7 +64,7 @@ def test_whole_body_finite_elements(name, contact):
 
 @pytest.mark.parametrize("contact", ["lumped", "pairs"])
 def test_only_the_orders_of_the_planets_survive(contact):
-    """In turn, with contact on sharp corners: multiples of 4, orbit of orders 1, -3, 5, ..."""
+    """Planets out of phase, contact on sharp corners: multiples of 4, orbit 1, -3, 5, ..."""
     count = 16
     found = stage(positions={"count": count}, effects={"contact": contact})
     assert found.corner_contact.any()
@@ -257,7 +257,7 @@ def test_thicker_planets():
 
 
 def test_a_run_out_of_the_ring_moves_a_floating_sun():
-    """With equal pressure angles, a displaced ring is met by an equal one of the sun."""
+    """With equal pressure angles, the sun moves as far as the ring: half the run-out."""
     plain = stage(positions=SMOOTH, stage={"planets": 3})
     out = stage(positions=SMOOTH, stage={"planets": 3, "ring_run_out_um": 20.0})
     np.testing.assert_allclose(out.planet_load_share, plain.planet_load_share, atol=2e-4)
@@ -524,7 +524,7 @@ def test_a_stage_in_a_mirror(contact):
 
 @pytest.mark.parametrize("contact", ["lumped", "pairs"])
 def test_a_planet_is_at_the_end_of_its_clearance(contact):
-    """As one whose pin is displaced along the force; equal clearances turn the sun only."""
+    """Clearance acts as a pin displaced along the force; equal clearances only turn the sun."""
     working = {"count": None, "angles_deg": [1.8]}
     changes = {"positions": working, "effects": {"contact": contact}}
     plain = stage(**changes)

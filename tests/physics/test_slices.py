@@ -150,7 +150,7 @@ def test_one_long_slice_is_the_plane(mu: float | None) -> None:
 
 
 def test_cells_of_one_long_slice_are_those_of_the_plane() -> None:
-    """With friction, and jumps of half-spaces that change the rotation by 3e-3.
+    """The pair has friction, and jumps of half-spaces that change the rotation by 3e-3.
 
     Cells are as wide as lumped contacts want them, in the plane without friction, and their widths
     differ by 7 %: rotations by 1.5e-6, by 6e-7 with a third of these widths.

@@ -145,7 +145,7 @@ def test_modes_of_a_stage(monkeypatch):
 
 
 def test_modes_of_a_stage_with_width(monkeypatch):
-    """Between those of plane strain and plane stress, as its stiffness is."""
+    """Frequencies lie between those of plane strain and plane stress, as the stiffness does."""
     monkeypatch.setattr("flankload.mechanisms.stage.modes.POSITIONS", 3)
     keys = {"pin_stiffness_N_per_um": 300, "sun_inertia_kg_m2": 0.001, "planet_mass_kg": 0.25}
     keys |= {"planet_inertia_kg_m2": 1e-4, "sun_mass_kg": 0.6}

@@ -33,7 +33,7 @@ def line_loads(found, planet, kind):
 
 
 def test_a_stage_without_helix_is_the_plane_stage():
-    """Between plane strain and plane stress; a vanishing helix angle changes nothing."""
+    """It lies between plane strain and plane stress; a vanishing helix angle changes nothing."""
     spur = stage(0.0)
     bounds = [
         solve(
@@ -284,7 +284,7 @@ def test_loads_on_coast_flanks_bend_roots_in_the_mirror_image(helix_deg):
 
 
 def test_root_stress_of_planets_over_their_width():
-    """As in the plane without a helix; extremes are those of both meshes of a tooth."""
+    """Without a helix it is that of the plane; extremes are taken over both meshes of a tooth."""
     spur, helical = stage(0.0, **ROOTS), stage(stage=TILTING, **ROOTS)
     keys = wide(0.0, **ROOTS)
     plane = solve(
@@ -327,7 +327,7 @@ def test_the_work_of_the_elements_is_predicted():
 
 
 def test_a_free_rim_over_its_width():
-    """Between plane strain and plane stress, like a clamped one, from which it is far away."""
+    """It lies between plane strain and plane stress, and far from a clamped rim."""
     free = {"stage": {"floating": "ring", "ring_support": "free"}}
     found = stage(0.0, **free)
     bounds = [

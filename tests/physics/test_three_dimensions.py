@@ -224,7 +224,7 @@ def test_forces_times_levers_hold_the_torque() -> None:
 
 
 def test_torques_of_both_bodies() -> None:
-    """In the ratio of the teeth over a pitch, since no work is lost; elsewhere reliefs matter."""
+    """Means over a pitch are in the ratio of the teeth, since no work is lost."""
     both = forces_on_both()
     ratio = at_positions(both["torque_2"]) / at_positions(both["torque_1"])
     np.testing.assert_allclose(ratio, 60 / 25, rtol=2e-3)

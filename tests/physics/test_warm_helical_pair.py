@@ -120,7 +120,7 @@ FREE = {"body_1__bore": "torque", "body_2__bore": "torque"}
 
 @pytest.mark.parametrize("twist", [0.0, 0.01])
 def test_a_free_bore_lets_a_prism_expand_evenly(twist: float) -> None:
-    """With any support, also with webs and hubs of other widths."""
+    """This holds with any support, also with webs and hubs of other widths."""
     spec = gear(teeth=24, tip_diameter_mm=119.0, bore="torque", **WEBBED)
     body = build_involute_body(spec, "body_1", flank_element_mm=3.0)
     regions = (("web", (-2.0, 1.0)), ("hub", (-9.0, 8.0)))

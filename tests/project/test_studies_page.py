@@ -20,7 +20,7 @@ TEXT = (ROOT / "docs/guide/studies.md").read_text(encoding="utf-8")
 
 
 class Client(contextlib.AbstractContextManager["Client"]):
-    """In place of a connection to a scheduler."""
+    """Takes the place of a connection to a scheduler."""
 
     def __init__(self, address: str) -> None:
         assert address == "tcp://node-1:8786"

@@ -48,7 +48,7 @@ def _meshes_of_body_1(drive: Any) -> list[fl.Result]:
 
 
 def _imbalance_of_meshes(torque: float, meshes: list[fl.Result]) -> float:
-    """As `imbalance`, of a body in several meshes."""
+    """Like `imbalance`, for a body in several meshes."""
     worst = 0.0
     for p in range(meshes[0].position_rad.size):
         moments = (_moments(mesh.pair_tables[p], 1, _twist(mesh)) for mesh in meshes)

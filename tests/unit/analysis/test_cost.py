@@ -56,7 +56,7 @@ KNOWN: dict[str, fl.Result] = {}
 
 
 def solved(**changes: Any) -> fl.Result:
-    """As it was found the first time."""
+    """The result, solved once and then kept."""
     name = str(sorted(changes.items()))
     if name not in KNOWN:
         KNOWN[name] = fresh(**changes)
@@ -274,7 +274,7 @@ def test_counters_known_in_advance_are_those_of_the_run(changes: dict[str, Any])
 
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
 def test_each_example_is_solved_at_the_predicted_cost(path: Path) -> None:
-    """Without torque, too, with the elements of the first run."""
+    """The same holds without torque, with the elements of the first run."""
     scene, parts = fl.read_scene(path).replace(SHORTER.get(path.stem, {})), Parts()
     result = solve_scene(scene, None, parts)
     assert (result.status >= 0).all()

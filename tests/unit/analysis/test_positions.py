@@ -1,4 +1,4 @@
-"""Where the pair is looked at: adaptive positions, uneven angles, windows, the hunting period."""
+"""Positions of a sweep: adaptive ones, uneven angles, windows, the hunting period."""
 
 from __future__ import annotations
 

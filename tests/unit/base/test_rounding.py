@@ -1,4 +1,4 @@
-"""No count hangs on a last bit: quotients that are whole numbers in exact arithmetic, and kernels
+"""No count depends on a last bit: quotients that are integers in exact arithmetic, and kernels
 of BLAS, which sum in orders of their own."""
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ def test_curve_is_the_periodic_spline_of_the_table() -> None:
 
 
 def test_derivatives_of_a_profile_are_those_of_its_places() -> None:
-    """Between the rows, where the spline has third derivatives."""
+    """They are compared between the rows, where the spline has third derivatives."""
     table, h = np.array(lift_and_dwell(5.0)), 1e-5
     place = _closed_spline(
         np.radians(np.append(table[:, 0], 360.0)), np.append(table[:, 1], table[0, 1])

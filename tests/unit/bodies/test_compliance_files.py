@@ -284,7 +284,7 @@ def with_nodal(folder: Path, one: dict[str, Any], two: dict[str, Any]) -> fl.Res
 
 @pytest.fixture(scope="module")
 def unturned() -> fl.Result:
-    """Without forces that turn over corners: a matrix of normal displacements knows none."""
+    """The pair without forces that turn over corners: a matrix of normal displacements has none."""
     with mock.patch.object(job, "has_turned_forces", return_value=False):
         return solved()
 

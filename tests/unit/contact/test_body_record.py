@@ -654,7 +654,7 @@ def sweep_of_mesh(
 def mesh_info(
     mesh: NDArray[np.float64], *bodies: NDArray[np.float64], **changes: Any
 ) -> tuple[int, NDArray[np.float64]]:
-    """As `sweep_info`, with a record of the mesh."""
+    """Like `sweep_info`, with a record of the mesh."""
     outputs = sweep_of_mesh(mesh, *bodies, **changes)
     return int(outputs[-1]), outputs[1]
 

@@ -148,7 +148,7 @@ def test_zero_gaps_make_everything_linear_in_the_torque() -> None:
 
 
 def test_units_of_length_and_force_cancel() -> None:
-    """From mm and N to m and kN."""
+    """Units change from mm and N to m and kN."""
     rng = np.random.default_rng(11)
     matrix, row, levers, gaps, torque = random_problem(rng, unsymmetric=True)
     plain = fl.solve_contact(matrix, row, gaps, torque, normal_lever_arms=levers)

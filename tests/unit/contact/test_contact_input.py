@@ -290,7 +290,7 @@ def layouts(matrix: np.ndarray) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("row_scales", [0.0, 0.01])
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_layout_of_the_matrix_changes_no_bit(friction: float, row_scales: float) -> None:
-    """For bitwise symmetric, nearly symmetric and unsymmetric matrices, which are not modified."""
+    """Matrices are symmetric to the last bit, nearly symmetric or not, and are not modified."""
     problem = many_pairs(friction=friction, row_scales=row_scales)
     rounded = problem["flexibility_matrix"].copy()
     rounded[np.triu_indices(MANY, 1)] *= 1.0 + 2e-16
@@ -333,7 +333,7 @@ def test_number_that_no_solution_reads(bad: float, order: Any) -> None:
 
 @pytest.mark.parametrize("n", [1, 3, 90, 643])
 def test_one_entry_decides_the_known_form_of_the_matrix(n: int) -> None:
-    """At any place: symmetric, allowed by the diagonal, its own transpose to the last bit."""
+    """Symmetric, allowed by the diagonal, symmetric to the last bit: any entry can end these."""
     rng = np.random.default_rng(7)
     matrix = np.asfortranarray(rng.random((n, n)))
     matrix = np.asfortranarray(0.4 * (matrix + matrix.T))
@@ -388,7 +388,7 @@ def test_symmetric_matrix_is_not_copied(order: Any) -> None:
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_one_row_scale_for_many_pairs_is_the_general_form(friction: float) -> None:
-    """To rounding: the loads are scaled instead of computing diag(b) A."""
+    """They agree to rounding: the loads are scaled instead of computing diag(b) A."""
     problem = many_pairs(friction=friction)
     levers, torque = problem["normal_lever_arms"], problem["torque"]
     general = fl.solve_contact_general(
@@ -419,7 +419,7 @@ def test_one_row_scale_for_many_pairs_is_the_general_form(friction: float) -> No
 
 
 def test_one_row_scale_names_the_torque_that_can_be_held() -> None:
-    """In the caller's unit, as the general form does."""
+    """The torque is in the caller's unit, as in the general form."""
     problem = many_pairs()
     levers = problem["normal_lever_arms"]
     problem["lever_arms"] = levers * np.where(np.abs(np.linspace(-1, 1, MANY)) < 0.1, 1.0, -1.0)

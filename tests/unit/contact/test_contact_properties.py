@@ -42,9 +42,9 @@ def numbers(
 
 
 def problems() -> Iterator[tuple[np.random.Generator, Drawn]]:
-    """From one pair to ten; K from nearly diagonal to nearly singular (condition up to 1e5).
+    """Problems of one to ten pairs; K is nearly diagonal to nearly singular (condition to 1e5).
 
-    Each with the generator for what a test changes.
+    Each comes with the random generator for the changes of a test.
     """
     rng = np.random.default_rng(SEED)
     for number in range(PROBLEMS):

@@ -11,7 +11,7 @@ from tests.support.packed_points import by_curve, by_points, rotation
 
 @pytest.mark.parametrize("mu", [None, 0.1])
 def test_a_spline_through_points_converges_to_the_flank(mu: float | None) -> None:
-    """At least of third order, with own tables under loads along the flank too."""
+    """The order is at least 3, also with own tables for loads along the flank."""
     errors = [
         abs(rotation(by_points(n), friction=mu) / rotation(by_curve(n), friction=mu) - 1.0)
         for n in (12, 23)

@@ -77,7 +77,7 @@ def test_pinions_in_slices_apart(level: float) -> None:
 @pytest.mark.parametrize("level", [0.0, 1.0])
 @pytest.mark.parametrize("coupled", [{"coupling": 0.2}, {"axial": 2e-6}])
 def test_pinions_in_slices_together(level: float, coupled: dict[str, float]) -> None:
-    """By modes or by a shaft: symmetric under equal loads, and torques are balanced."""
+    """Coupled by modes or a shaft, equal loads give a symmetric state, and torques balance."""
     torque = TORQUES[0]
     found = two_pinions(level, (torque, torque), **coupled)
     assert (found.status == 0).all()

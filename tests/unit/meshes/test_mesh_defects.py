@@ -82,7 +82,7 @@ def add(mesh: meshio.Mesh, kind: str, data: np.ndarray, tag: int = 1) -> None:
 
 
 def unchanged(mesh: meshio.Mesh) -> None:
-    """As it is."""
+    """No defect."""
 
 
 # --- the defects ----------------------------------------------------------------------------------

@@ -93,7 +93,7 @@ def test_modes_along_the_flank_obey_betti_and_leave_the_normal_ones_alone() -> N
 
 
 def test_smooth_part_along_the_flank_fades_with_the_modes() -> None:
-    """With the jump taken out of the right side; on the wrong side it would be doubled."""
+    """The jump is removed from the correct side; on the wrong side it would be doubled."""
     body = build_bodies(scene_of()).body_1
     found = flank_compliance(body, JobOptions(n_modes=5, plane="strain", friction=True))
     assert (

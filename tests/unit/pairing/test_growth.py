@@ -250,7 +250,7 @@ def enlarged(gear: dict[str, Any], strain: float) -> dict[str, Any]:
 
 
 def test_growth_closes_the_backlash_as_larger_gears_do() -> None:
-    """In both senses of rotation, compared with larger gears on the same centre distance."""
+    """The gap of the coast flanks is that of larger gears on the same centre distance."""
     strain = 11.5e-6 * 60
     found = solved(("temperature_rise_K", 60.0))
     larger = {"body_1": enlarged(ONE, strain), "body_2": enlarged(TWO, strain)}
@@ -326,7 +326,7 @@ def test_temperature_and_speed_add_up() -> None:
 
 
 def test_lumped_contact_sees_the_growth() -> None:
-    """To the accuracy of that level, off sharp corners."""
+    """It agrees with cells to the accuracy of lumped contact, off sharp corners."""
     key_pair = (("temperature_rise_K", (60.0, 20.0)), ("support_expansion_per_K", 0.0))
     pairs = solved(*key_pair, torque=302.0)
     lumped = solved(*key_pair, ("contact", "lumped"), torque=302.0)

@@ -95,7 +95,7 @@ def test_they_are_made_for_three_dimensional_results_alone(
 
 
 def test_line_load_of_each_pair_and_of_all(result: fl.Result) -> None:
-    """At the position of the largest line load, over the whole face width."""
+    """The plot shows the position of the largest line load, over the whole face width."""
     assert result.slices is not None
     load = result.mean_line_load_N_per_mm
     p = int(np.unravel_index(load.argmax(), load.shape)[0])
@@ -164,7 +164,7 @@ def test_map_of_the_line_load_has_all_pairs_in_their_order(result: fl.Result) ->
 
 
 def test_contact_pattern_reaches_the_largest_pressure(result: fl.Result) -> None:
-    """On both flanks, in the same slices; nothing beyond the tip."""
+    """It does so on both flanks, in the same slices, and nothing lies beyond the tip."""
     largest = result.slice_peak_pressure_MPa.max(axis=(0, 1))
     for body, tip in ((1, 84.8), (2, 191.1)):
         diameter, pressure = contact_pattern(result, body)
@@ -174,7 +174,7 @@ def test_contact_pattern_reaches_the_largest_pressure(result: fl.Result) -> None
 
 
 def test_contact_pattern_is_drawn_over_z_and_diameter(result: fl.Result) -> None:
-    """With tip, relief and form circles of each flank on a common scale of pressures."""
+    """Each flank has its tip, relief and form circles; both share one scale of pressures."""
     figure = plot_contact_pattern(result)
     one, two, colours = figure.axes
     assert colours.get_ylabel() == "largest pressure in MPa"
@@ -227,7 +227,7 @@ def bodies_of(found: fl.Result, position: int | None = None) -> list[Axes]:
 
 
 def test_loaded_pair_shows_the_line_loads_where_they_are(result: fl.Result) -> None:
-    """On both bodies, at the position of the largest one."""
+    """Both bodies are drawn at the position of the largest line load."""
     load = result.slice_line_load_N_per_mm
     p, _, j = np.unravel_index(load.argmax(), load.shape)
     table = result.pairs(int(p))

@@ -57,7 +57,7 @@ def test_rows_are_those_that_a_belt_knows() -> None:
     ],
 )
 def test_sizes_are_those_of_two_runs(effect: str, near: float, *, on: bool) -> None:
-    """On finer elements than the plan has."""
+    """The runs have finer elements than the plan."""
     effects = {"effects": {effect: 0.1}} if on else {}
     scene = scene_of(
         positions={"angles_deg": [0, 6, 8]},

@@ -121,7 +121,7 @@ def test_no_contact_problem_is_solved_for_derivatives_on_cells() -> None:
 
 @pytest.mark.parametrize("value", [20.0, 0.0])
 def test_states_that_must_be_solved_need_one_side_for_first_order(value: float) -> None:
-    """At 0, the end of a range, and within it."""
+    """The value is within its range, or 0, which is an end of it."""
     scene, paths = scene_of("lumped")
     scene = scene.replace({"body_1.tip_relief_um": value})
     central, first = (
