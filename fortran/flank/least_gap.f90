@@ -61,7 +61,8 @@ contains
     !> Walk downhill from a sample to the minimum of the gap, which lies at a sample or between two
     !> samples.
     !>
-    !> The slopes are exact; the gaps of the polyline may shift a minimum by one or two samples.
+    !> The slopes are exact, at corners one-sided; the gaps of the polyline may shift a minimum by
+    !> one or two samples.
     pure subroutine walk_downhill(facing, scan, from, nearest, at_corner, found)
         !> Flanks and their frames, and the circles of the scan
         type(facing_type), intent(in) :: facing
@@ -78,28 +79,30 @@ contains
         integer :: k, side
         type(pair_type) :: near, far
 
+        call exact_pair(facing, scan, scan%s_1(from), scan%segment(from), nearest, found)
+        if (.not. found) return
+        at_corner = scan%corner(from)
         do side = -1, 1, 2
             k = from
-            do
-                call exact_pair(facing, scan, scan%s_1(k), scan%segment(k), nearest, &
-                    & found)
-                if (.not. found) return
-                at_corner = scan%corner(k)
-                if (k == merge(scan%first, scan%last, side < 0)) exit
-                call exact_pair(facing, scan, scan%s_1(k) + side*scan%beside, &
+            do while (k /= merge(scan%first, scan%last, side < 0))
+                near = nearest
+                if (at_corner /= 0) call exact_pair(facing, scan, scan%s_1(k) + side*scan%beside, &
                     & scan%segment(k), near, found)
                 if (.not. found) return
                 if (side*near%slope >= 0.0_wp) exit
-                call exact_pair(facing, scan, scan%s_1(k + side) - side*scan%beside, &
-                    & scan%segment(k + side), far, found)
+                k = k + side
+                call exact_pair(facing, scan, scan%s_1(k), scan%segment(k), nearest, found)
+                if (.not. found) return
+                at_corner = scan%corner(k)
+                far = nearest
+                if (at_corner /= 0) call exact_pair(facing, scan, scan%s_1(k) - side*scan%beside, &
+                    & scan%segment(k), far, found)
                 if (.not. found) return
                 if (side*far%slope > 0.0_wp) then
                     at_corner = 0
-                    call find_root(facing, scan, near, far, scan%segment(k), nearest, &
-                        & found)
+                    call find_root(facing, scan, near, far, scan%segment(k - side), nearest, found)
                     return
                 end if
-                k = k + side
             end do
             if (k /= from) return
         end do
