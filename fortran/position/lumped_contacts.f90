@@ -245,8 +245,8 @@ contains
         width = 0.25_wp*acos(-1.0_wp)*max(sum(reach), least_half_width(flank_length))
     end function cell_of
 
-    !> Compute the derivatives of the levers with respect to the forces: the normal of a contact
-    !> turns as the contact grows.
+    !> Prepare the last pass, with all derivatives: those of the levers with respect to the forces,
+    !> since the normal of a contact turns as the contact grows, and second ones.
     pure subroutine differentiate_levers(position, forces, system)
         !> The position
         type(position_type), intent(in) :: position
@@ -267,6 +267,7 @@ contains
         type(pairs_type) :: beside
         type(place_type) :: changed(2), wider
 
+        if (allocated(system%released)) deallocate (system%released)
         loaded = pack(system%of, forces(system%of) > 0.0_wp)
         call reserve_pairs(beside, size(loaded))
         do k = 1, size(loaded)

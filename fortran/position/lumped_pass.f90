@@ -40,6 +40,9 @@ module flankload_lumped_pass
         real(wp), allocatable :: slopes(:, :)
         !> The same per unit force along flank 1 at j [mm/N], shape (n, n); (n, 0) without friction
         real(wp), allocatable :: tangential(:, :)
+        !> Last sum of Eq. (L3) of docs/theory/lumped_contact.md [mm/N], shape (n, n): that of the
+        !> first pass, until it is deallocated before the last one
+        real(wp), allocatable :: released(:, :)
     end type lumped_system
 
     !> Linearized equations of the contacts considered.
@@ -75,6 +78,7 @@ contains
         system%coupling = position%coupling(system%of, system%of)
         system%slopes = position%slopes(system%of, system%of)
         if (allocated(system%tangential)) deallocate (system%tangential)
+        if (allocated(system%released)) deallocate (system%released)
         allocate (system%tangential(n, merge(n, 0, has_friction(meshes))))
         call add_other_influences(bodies, meshes, position%zones(system%of), system%coupling, &
             & system%tangential)
@@ -86,7 +90,7 @@ contains
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts
-        type(lumped_system), intent(in) :: system
+        type(lumped_system), intent(inout) :: system
         !> True for secants through the origin instead of tangents
         logical, intent(in) :: secant
         !> Forces of the zones [N], shape (zones)
@@ -150,7 +154,7 @@ contains
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts without friction
-        type(lumped_system), intent(in) :: system
+        type(lumped_system), intent(inout) :: system
         !> Forces of the zones [N], shape (zones); changed if solved
         real(wp), intent(inout) :: forces(:)
         !> Motions, shape (motions); changed if solved
@@ -177,7 +181,7 @@ contains
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
         !> Lumped contacts
-        type(lumped_system), intent(in) :: system
+        type(lumped_system), intent(inout) :: system
         !> Last forces [N], shape (n)
         real(wp), intent(in) :: forces(:)
         !> Last motions, shape (motions)
@@ -229,7 +233,7 @@ contains
     !> (L3) of docs/theory/lumped_contact.md.
     pure subroutine add_moments(system, forces, through_origin, linear)
         !> Lumped contacts
-        type(lumped_system), intent(in) :: system
+        type(lumped_system), intent(inout) :: system
         !> Last forces [N], shape (n)
         real(wp), intent(in) :: forces(:)
         !> True for secants through the origin instead of tangents, without a moment of an untilted
@@ -241,7 +245,7 @@ contains
         integer :: k, n
         real(wp) :: nearer
         real(wp), dimension(size(forces)) :: own, tilt, give, give_slope, moment, arm
-        real(wp), dimension(size(forces), size(forces)) :: slopes, given, square, added
+        real(wp), dimension(size(forces), size(forces)) :: slopes, given, added
 
         n = size(forces)
         associate (places => system%places(system%of))
@@ -264,10 +268,15 @@ contains
             arm = merge(0.0_wp, places%moment(1), through_origin) - give_slope*tilt
             do k = 1, n
                 added(:, k) = arm*slopes(:, k)
-                given(:, k) = give*slopes(:, k)
             end do
-            call set_product(n, n, n, slopes, given, n, square)
-            added = added + transpose(added) - square
+            if (.not. allocated(system%released)) then
+                do k = 1, n
+                    given(:, k) = give*slopes(:, k)
+                end do
+                allocate (system%released(n, n))
+                call set_product(n, n, n, slopes, given, n, system%released)
+            end if
+            added = added + transpose(added) - system%released
             do k = 1, n
                 if (through_origin(k)) cycle
                 added(k, k) = added(k, k) + (places(k)%moment(2) - 0.5_wp*places(k)%give(2) &

@@ -309,7 +309,8 @@ contains
         logical :: lost, conforms
 
         associate (sides => sides_of(mesh))
-            allocate (found(max(max_zones, max_zones_per_site*mesh%n_sites)))
+            allocate (found(max(max_zones, max_zones_per_site &
+                & *count(faces(first:first + mesh%n_sites - 1)))))
             n_zones = 0
             before = 0
             closed_moment = closed_part*sum(bodies(mesh%bodies)%compliance%kernel) &
