@@ -9,7 +9,7 @@ module flankload_line_potential
     implicit none
     private
 
-    public :: mean_potential, own_potential, segment_difference
+    public :: add_potentials, mean_potential, own_potential, segment_difference
 
     abstract interface
         !> Integral of a function of two distances.
@@ -37,19 +37,55 @@ contains
         real(wp), intent(in) :: across
         real(wp) :: mean
 
+        mean = potential(distance, length, other, across**2)
+    end function mean_potential
+
+    !> Add the mean potentials of segments over another one, parallel to them.
+    pure subroutine add_potentials(strength, distances, lengths, other, across, potentials)
+        !> Factor of the potentials
+        real(wp), intent(in) :: strength
+        !> Distances between the centres along the segments, and their lengths [mm], shape (n)
+        real(wp), contiguous, intent(in) :: distances(:)
+        real(wp), contiguous, intent(in) :: lengths(:)
+        !> Length of the other segment [mm]
+        real(wp), intent(in) :: other
+        !> Squares of the distances between their lines [mm²], above 0, shape (n)
+        real(wp), contiguous, intent(in) :: across(:)
+        !> Potentials [1/mm], shape (n)
+        real(wp), contiguous, intent(inout) :: potentials(:)
+
+        integer :: k
+
+        do k = 1, size(potentials)
+            potentials(k) = potentials(k) &
+                & + strength*potential(distances(k), lengths(k), other, across(k))
+        end do
+    end subroutine add_potentials
+
+    !> Return the mean potential of a segment over another, parallel one [1/mm].
+    elemental function potential(distance, length, other, across) result(mean)
+        !> Distance between both centres along the segments, and lengths of both [mm]
+        real(wp), intent(in) :: distance
+        real(wp), intent(in) :: length
+        real(wp), intent(in) :: other
+        !> Square of the distance between their lines [mm²], above 0
+        real(wp), intent(in) :: across
+        real(wp) :: mean
+
         !> Distance in lengths from which the second moments are sufficient, to 1e-5 of the mean
         real(wp), parameter :: far = 10.0_wp
         real(wp) :: square
 
-        square = distance**2 + across**2
+        square = distance**2 + across
         if (square > (far*max(length, other))**2) then
-            mean = (1.0_wp + (length**2 + other**2)*(2.0_wp*distance**2 - across**2) &
+            mean = (1.0_wp + (length**2 + other**2)*(2.0_wp*distance**2 - across) &
                 & /(24.0_wp*square**2))/sqrt(square)
-            return
+        else
+            ! Eq. (S3)
+            mean = segment_difference(twice_integrated, sqrt(across), distance, length, other) &
+                & /(length*other)
         end if
-        ! Eq. (S3)
-        mean = segment_difference(twice_integrated, across, distance, length, other)/(length*other)
-    end function mean_potential
+    end function potential
 
     !> Return the integral over two parallel segments of a function of the distances between their
     !> points, from its integral over one distance and twice over the other: the difference between

@@ -11,7 +11,7 @@ module flankload_slice_field
     use flankload_kinds, only: wp
     use flankload_compliance_field, only: compliance_type, mode_values
     use flankload_rounding, only: tie
-    use flankload_line_potential, only: mean_potential
+    use flankload_line_potential, only: add_potentials
     use flankload_tangential_potential, only: segment_field
     implicit none
     private
@@ -204,24 +204,48 @@ contains
         !> Compliance [mm/N], symmetric, shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: i, j
-        real(wp) :: displacement
+        integer :: j, k, last
+        real(wp), dimension(size(segments)) :: z, cosine, along, across, lengths, field
         type(mirror_type), allocatable :: ends(:), corners(:)
 
         ends = end_mirrors(body_1, body_2)
         corners = [corner_mirrors(body_1, 1, body_1%wedge), &
             & corner_mirrors(body_2, 2, body_2%wedge)]
+        z = segments%z
+        lengths = segments%length
         do j = 1, size(segments)
-            displacement = field_between(segments(j), segments(j), beside, ends, corners(:0))
-            matrix(j, j) = matrix(j, j) + displacement
-            do i = j + 1, size(segments)
-                if (segments(i)%flank /= segments(j)%flank) exit
-                displacement = field_between(segments(i), segments(j), beside, ends, corners)
-                matrix(i, j) = matrix(i, j) + displacement
-                matrix(j, i) = matrix(j, i) + displacement
+            last = last_of_flank(segments, j)
+            field(j:last) = 0.0_wp
+            across(j:last) = across_lines(segments(j:last), segments(j))**2 + beside**2
+            cosine(j:last) = 0.5_wp*(segments(j:last)%cosine + segments(j)%cosine)
+            do k = size(ends), 1, -1
+                along(j:last) = (z(j:last) + merge(-z(j), z(j) - 2.0_wp*ends(k)%place, k == 1)) &
+                    & /cosine(j:last)
+                ! Eq. (S2), averaged by Eq. (S3)
+                call add_potentials(ends(k)%strength(segments(j)%side), along(j:last), &
+                    & lengths(j:last), lengths(j), across(j:last), field(j:last))
             end do
+            call add_behind_corners(segments(j + 1:last), segments(j), along(j + 1:last), beside, &
+                & corners, field(j + 1:last))
+            matrix(j:last, j) = matrix(j:last, j) + field(j:last)
+            matrix(j, j + 1:last) = matrix(j, j + 1:last) + field(j + 1:last)
         end do
     end subroutine add_segment_field
+
+    !> Return the last segment of the flank of a segment.
+    pure function last_of_flank(segments, j) result(last)
+        !> Segments, those of a flank pair adjacent
+        type(segment_type), intent(in) :: segments(:)
+        !> One of them
+        integer, intent(in) :: j
+        integer :: last
+
+        last = j
+        do while (last < size(segments))
+            if (segments(last + 1)%flank /= segments(j)%flank) exit
+            last = last + 1
+        end do
+    end function last_of_flank
 
     !> Return the loads on both half-spaces, without reflection, and their images behind end faces:
     !> one if both bodies end in the same plane.
@@ -291,7 +315,7 @@ contains
         !> arc length of its flank, shape (n, n)
         real(wp) :: matrix(size(segments), size(segments))
 
-        integer :: i, j
+        integer :: i, j, first, last
         real(wp) :: strength
         type(mirror_type), allocatable :: corners(:)
 
@@ -300,46 +324,25 @@ contains
         strength = (body_2%jump - body_1%jump)/acos(-1.0_wp)
         corners = [corner_mirrors(body_1, 1, body_1%wedge_along), &
             & corner_mirrors(body_2, 2, body_2%wedge_along)]
+        first = 1
         do j = 1, size(segments)
-            do i = 1, size(segments)
-                if (segments(i)%flank /= segments(j)%flank) cycle
+            if (segments(j)%flank /= segments(first)%flank) first = j
+            last = last_of_flank(segments, j)
+            call add_behind_corners(segments(first:last), segments(j), &
+                & [(along_line(1, segments(i), segments(j), corners), i=first, last)], beside, &
+                & corners, matrix(first:last, j))   ! Eq. (S4)
+            ! Bodies of one material have equal displacements, one in front of its force, one behind
+            ! it.
+            if (.not. abs(strength) > 0.0_wp) cycle
+            do i = first, last
                 associate (one => segments(i), other => segments(j))
-                    matrix(i, j) = behind_corners(one, other, beside, corners)   ! Eq. (S4)
-                    ! Bodies of one material have equal displacements, one in front of its force,
-                    ! one behind it.
-                    if (abs(strength) > 0.0_wp) matrix(i, j) = matrix(i, j) &
+                    matrix(i, j) = matrix(i, j) &
                         & + strength*segment_field(along_line(1, one, other, corners), one%length, &
                         & other%length, across_lines(one, other), beside)
                 end associate
             end do
         end do
     end function tangential_field
-
-    !> Return the normal displacement of both bodies at one segment under a unit force on another
-    !> one [mm/N].
-    pure function field_between(one, other, beside, ends, corners) result(displacement)
-        !> Displaced segment and loaded segment
-        type(segment_type), intent(in) :: one
-        type(segment_type), intent(in) :: other
-        !> Distance by which a load is spread to the side of its line [mm]
-        real(wp), intent(in) :: beside
-        !> Loads and their images behind end faces; images behind corners
-        type(mirror_type), intent(in) :: ends(:)
-        type(mirror_type), intent(in) :: corners(:)
-        real(wp) :: displacement
-
-        integer :: k
-        real(wp) :: across
-
-        across = sqrt(across_lines(one, other)**2 + beside**2)
-        displacement = 0.0_wp
-        do k = 1, size(ends)
-            ! Eq. (S2), averaged by Eq. (S3)
-            displacement = displacement + ends(k)%strength(one%side)*mean_potential( &
-                & along_line(k, one, other, ends), one%length, other%length, across)
-        end do
-        displacement = displacement + behind_corners(one, other, beside, corners)
-    end function field_between
 
     !> Return the distance along their contact line between a segment and the load of another one (k
     !> = 1), or its image behind an end face [mm].
@@ -360,7 +363,7 @@ contains
 
     !> Return the distance along flank 1 from the line of another segment to that of one segment
     !> [mm]: a contact line of an involute is straight and normal to the profiles.
-    pure function across_lines(one, other) result(across)
+    elemental function across_lines(one, other) result(across)
         !> Displaced segment and loaded segment
         type(segment_type), intent(in) :: one
         type(segment_type), intent(in) :: other
@@ -369,31 +372,34 @@ contains
         across = 0.5_wp*dot_product(one%point - other%point, one%tangent + other%tangent)
     end function across_lines
 
-    !> Return the displacement under the images of a unit force behind free corners [mm/N].
-    pure function behind_corners(one, other, beside, corners) result(displacement)
-        !> Displaced segment and loaded segment
-        type(segment_type), intent(in) :: one
-        type(segment_type), intent(in) :: other
+    !> Add displacements of segments under the images of a unit force behind free corners [mm/N].
+    pure subroutine add_behind_corners(segments, loaded, along, beside, corners, displacements)
+        !> Displaced segments of a flank pair, shape (n), and a loaded one
+        type(segment_type), intent(in) :: segments(:)
+        type(segment_type), intent(in) :: loaded
+        !> Distances between both along their line [mm], shape (n)
+        real(wp), contiguous, intent(in) :: along(:)
         !> Distance by which a load is spread to the side of its line [mm]
         real(wp), intent(in) :: beside
         !> Images behind corners
         type(mirror_type), intent(in) :: corners(:)
-        real(wp) :: displacement
+        !> Displacements, shape (n)
+        real(wp), contiguous, intent(inout) :: displacements(:)
 
         integer :: k
-        real(wp) :: across
+        real(wp), dimension(size(segments)) :: across, lengths
 
-        displacement = 0.0_wp
+        lengths = segments%length
         do k = 1, size(corners)
             ! Eq. (S2): images at R_w, averaged by Eq. (S3)
             associate (corner => corners(k))
-                across = max(0.0_wp, corner%sense*(one%s(corner%body) - corner%place)) &
-                    & + max(0.0_wp, corner%sense*(other%s(corner%body) - corner%place))
-                displacement = displacement + corner%strength(one%side)*mean_potential( &
-                    & along_line(1, one, other, corners), one%length, other%length, &
-                    & sqrt(across**2 + beside**2))
+                across = max(0.0_wp, corner%sense*(segments%s(corner%body) - corner%place)) &
+                    & + max(0.0_wp, corner%sense*(loaded%s(corner%body) - corner%place))
+                across = across**2 + beside**2
+                call add_potentials(corner%strength(loaded%side), along, lengths, loaded%length, &
+                    & across, displacements)
             end associate
         end do
-    end function behind_corners
+    end subroutine add_behind_corners
 
 end module flankload_slice_field

@@ -87,8 +87,8 @@ contains
                 begun = pass
                 since_update = huge(1.0_wp)
                 ! in the plane, estimated forces are those of parabolas
-                change = merge(nearly, huge(1.0_wp), pass == 1 .and. .not. (allocated(start%places) &
-                    & .or. any(in_slice(position%zones))))
+                change = merge(nearly, huge(1.0_wp), pass == 1 &
+                    & .and. .not. (allocated(start%places) .or. any(in_slice(position%zones))))
             end if
             call place_contacts(meshes, position, forces, change, system, state%pairs, &
                 & since_update, error)

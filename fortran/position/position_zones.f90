@@ -332,10 +332,8 @@ contains
                     return
                 end if
             end do
-            if (n_zones > size(found)) then
-                call fatal_error(error, code_too_many_zones)
-                return
-            end if
+            if (n_zones > size(found)) call fatal_error(error, code_too_many_zones)
+            if (allocated(error)) return
             found = found(:n_zones)
             found%side = sides(found%site - first + 1)
             if (.not. any(found%side > 0.0_wp)) then

@@ -57,7 +57,7 @@ _FORTRAN = (
     *_in(
         "line_potential.f90",
         "core",
-        ("(2.0_wp*distance**2 - across**2)", "(2.0_wp*distance**2 + across**2)"),
+        ("(2.0_wp*distance**2 - across)", "(2.0_wp*distance**2 + across)"),
         ("half_difference = 0.5_wp*(length - other)", "half_difference = 0.5_wp*(length + other)"),
         ("slope = -2.0_wp/", "slope = -1.0_wp/"),
     ),
