@@ -7,12 +7,13 @@ result shows predictions beside it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, is_dataclass
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.digest import field_names
 from flankload.errors import InputError
 
 if TYPE_CHECKING:
@@ -187,10 +188,11 @@ def held_bytes(*things: object) -> int:
                 thing = thing.base
             owners[id(thing)] = thing.nbytes
         elif is_dataclass(thing):
-            if hasattr(thing, "nbytes"):
-                owners[id(thing)] = thing.nbytes
+            held = getattr(thing, "nbytes", None)
+            if held is None:
+                left += [getattr(thing, name) for name in field_names(type(thing))]
             else:
-                left += [getattr(thing, item.name) for item in fields(thing)]
+                owners[id(thing)] = held
         elif isinstance(thing, Mapping):
             left += thing.values()
         elif isinstance(thing, list | tuple):

@@ -113,6 +113,11 @@ class KnownContacts:
         count = np.tile([0, -1], (n_positions, n_torques))
         return cls(np.zeros(0, dtype=np.intc), count, np.zeros_like(count))
 
+    def for_torques(self, n_torques: int) -> KnownContacts:
+        """With unknown pairs of further torques."""
+        more = ((0, 0), (0, n_torques - self.count.shape[1]))
+        return KnownContacts(self.touches, np.pad(self.count, more), np.pad(self.first, more))
+
     def at(self, which: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
         """Arguments of the core for some positions."""
         tables = (self.count[which], self.first[which] + 1)
@@ -124,7 +129,8 @@ class CoreCall:
     """The constant arguments of the core, and its call.
 
     `n_sites`: sites of the core, several for each pair of flanks; `motion` (4, P): angles of both
-    bodies, rad, and their speeds, rad per rad of the position; `records`: from `records_of`.
+    bodies, rad, and their speeds, rad per rad of the position; `records`: from `records_of`; `own`:
+    torques whose states are counted, those of the others are beside them.
     """
 
     contact: FlankContact
@@ -135,7 +141,8 @@ class CoreCall:
     account: Account
     progress: Callable[[int, int], None] | None
     watched: bool
-    known: KnownContacts | None = None
+    known: KnownContacts | None
+    own: slice
 
     def holds(self, position: int, torques_Nmm: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether a position has a state under each of other torques (T,)."""
@@ -145,6 +152,7 @@ class CoreCall:
             torques_Nmm=torques_Nmm,
             progress=None,
             known=None,
+            own=slice(None),
         )
         return np.asarray(alone.all_positions(0).status[0] >= 0)
 
@@ -197,7 +205,7 @@ class CoreCall:
         watched = self.watched and not self._is_short(which.size)
         outputs = call_and_watch(call, control, report=report) if watched else call()
         found = self._found(outputs, site, table.reshape(-1, n_columns))
-        _count(found, self.account, searched=known.count[which] >= 0)
+        _count(found, self.account, self.own)
         report(int(control[1]))
         return found
 
@@ -219,13 +227,10 @@ class CoreCall:
         return CoreOutput(*states, first_pair - 1, site[:used], table[:used])
 
 
-def _count(found: CoreOutput, account: Account, searched: NDArray[np.bool_]) -> None:
-    """Count the work of a call of the core, including states that exceeded the allocation.
-
-    States that continue those of the torque before are none of their own: not `searched`, (P, T).
-    """
+def _count(found: CoreOutput, account: Account, own: slice) -> None:
+    """Count the work of a call of the core, including states that exceeded the allocation."""
     undone = (found.status == Status.NO_ROOM) | (found.status == Status.STOPPED)
-    begun = searched & (~undone | found.counters.any(axis=0))
+    begun = (~undone | found.counters.any(axis=0))[:, own]
     sums = found.counters.sum(axis=(1, 2), dtype=np.int64).tolist()
     account.count(states=int(begun.sum()), **dict(zip(CORE_COUNTERS, sums, strict=True)))
 

@@ -10,7 +10,13 @@ import numpy as np
 from flankload.contact.body_record import core_sites, records_of
 from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts
 from flankload.contact.pair_table import PackedPairs, join_pairs
-from flankload.contact.status import SiteCorner, raise_first_failure, with_sharp_ends, worst_corner
+from flankload.contact.status import (
+    SiteCorner,
+    is_marked,
+    raise_first_failure,
+    with_sharp_ends,
+    worst_corner,
+)
 from flankload.cost import Account
 
 if TYPE_CHECKING:
@@ -168,6 +174,7 @@ def sweep(
     *,
     known: KnownContacts | None = None,
     tangents: bool = False,
+    unloaded: bool = False,
     keep_pairs: bool = True,
     account: Account | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -192,6 +199,10 @@ def sweep(
         Whether the derivatives of rotation and forces follow cells that move with the torque: the
         states are continued to a slightly larger torque. For fixed cells, derivatives are 0.1 to
         0.3 % off on gears with ten cells on the half-width, since contacts become longer.
+    unloaded : bool
+        Whether the states without torque are added, from which the deflection under torque is
+        measured: deviations of pitch and profile, an offset of the axes, expansion and preload
+        rotate body 1 without any torque. They are None if there is no such state at a position.
     keep_pairs : bool
         Whether single pairs are stored, besides results per site.
     account, progress : optional
@@ -207,10 +218,13 @@ def sweep(
     spent, mesh = Account() if account is None else account, contact.mesh
     torques = np.asarray(torques_Nmm, dtype=float)
     positions = np.asarray(position_rad, dtype=float)
-    asked, each = torques, 1
+    beside = [1.0, 1.0 + STEP] if tangents else [1.0]
+    asked = np.outer(torques, beside).ravel()
+    own = slice(0, asked.size, len(beside))
     if tangents:
-        asked, each = np.outer(torques, [1.0, 1.0 + STEP]).ravel(), 2
         known = KnownContacts.of_torque_before(positions.size, torques.size)
+    if unloaded and torques.all():
+        asked = np.append(asked, 0.0)
     core = CoreCall(
         contact=contact,
         n_sites=core_sites(mesh),
@@ -220,22 +234,30 @@ def sweep(
         account=spent,
         progress=progress,
         watched=watched,
-        known=known,
+        known=None if known is None else known.for_torques(asked.size),
+        own=own,
     )
     found = core.all_positions(_initial_capacity(contact) if keep_pairs else 0)
     spent.workspace_bytes = max(spent.workspace_bytes, found.nbytes)
     raise_first_failure(
-        found.status[:, ::each],
+        found.status[:, own],
         positions,
         torques,
-        found.certificate[..., ::each],
+        found.certificate[..., own],
         has_friction=mesh.friction is not None,
         holds=core.holds,
     )
     if not mesh.slices.plane:
         spent.count(slices=mesh.slices.count * positions.size * torques.size)
     sweeps = tuple(_sweep_of(found, mesh, t, torque) for t, torque in enumerate(asked))
-    return tuple(map(_differenced, sweeps[::2], sweeps[1::2])) if tangents else sweeps
+    parts = sweeps[own]
+    if tangents:
+        parts = tuple(map(_differenced, parts, sweeps[1::2]))
+    none = next((part for part in sweeps if part.torque_Nmm == 0.0), None) if unloaded else None
+    if none is None or (none.status < 0).any():
+        return parts
+    states = UnloadedStates(none.rotation_rad, is_marked(none.site_corner))
+    return tuple(replace(part, unloaded=states) for part in parts)
 
 
 def known_contacts(found: Sequence[Sweep]) -> KnownContacts | None:
@@ -363,9 +385,11 @@ def _joined(parts: Sequence[Record], order: NDArray[np.int64]) -> Record:
     joined: dict[str, Any] = {}
     for item in fields(parts[0]):
         values = [getattr(part, item.name) for part in parts]
-        if values[0] is None or item.name in WITHOUT_POSITIONS:
+        if item.name in WITHOUT_POSITIONS:
             continue
-        if isinstance(values[0], PackedPairs):
+        if any(value is None for value in values):
+            joined[item.name] = None
+        elif isinstance(values[0], PackedPairs):
             joined[item.name] = join_pairs(values, order)
         elif isinstance(values[0], np.ndarray):
             joined[item.name] = np.concatenate(values)[order]

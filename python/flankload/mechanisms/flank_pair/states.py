@@ -15,7 +15,6 @@ from flankload.analysis.lumped_error import FEW_CELLS, error_beside_cells, measu
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tip_error import tip_error
-from flankload.analysis.unloaded import with_unloaded
 from flankload.base.number_text import percent
 from flankload.contact.status import on_corner
 from flankload.contact.sweep import join_sweeps, known_contacts, sweep
@@ -108,6 +107,7 @@ def flank_states(
             torques_Nmm=scene.torques_Nmm,
             # a lumped contact is solved with its tangent
             tangents=scene.accuracy.tangents and not pair.effects.lumped_contact,
+            unloaded=unloaded,
             account=account,
         )
         try:
@@ -118,12 +118,6 @@ def flank_states(
             blame_load(scene, pair, geometry, error, lambda torque: alone([torque]))
             raise
         account.bytes += held_bytes(found)
-    with clock.account("result") as account:
-        if unloaded:
-            run = partial(sweep, contact, pair.position_rad, keep_pairs=False, account=account)
-            found = with_unloaded(found, run)
-    for name in ("states", "slices"):  # those are of positions under a torque
-        account.counters.pop(name, None)
     geometry = pair_geometry(pair, compliances)
     return pair, FlankStates(found, errors, rounds, geometry, pair.position_rad, contact)
 
@@ -149,12 +143,15 @@ def _continued_states(
     """As `flank_states`, continued from those of a slightly different pair; no tangents."""
     pair = replace(pair, position_rad=similar.position_rad, adaptive=False)
     contact = contact_of(scene, pair, compliances)
-    run = partial(sweep, contact, pair.position_rad)
     with clock.stage("sweep") as account:
-        known = similar.known
-        found = run(scene.torques_Nmm, known=known, account=account)
-    with clock.account("result") as account:
-        found = with_unloaded(found, partial(run, keep_pairs=False, account=account))
+        found = sweep(
+            contact,
+            pair.position_rad,
+            scene.torques_Nmm,
+            known=similar.known,
+            unloaded=True,
+            account=account,
+        )
     geometry, none = pair_geometry(pair, compliances), (None,) * len(found)
     return pair, FlankStates(found, none, 1, geometry, similar.position_rad, contact)
 
