@@ -7,13 +7,13 @@ result shows predictions beside it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.base.digest import field_names
 from flankload.errors import InputError
 
 if TYPE_CHECKING:
@@ -190,7 +190,7 @@ def held_bytes(*things: object) -> int:
         elif is_dataclass(thing):
             held = getattr(thing, "nbytes", None)
             if held is None:
-                left += [getattr(thing, name) for name in field_names(type(thing))]
+                left += [getattr(thing, name) for name in _field_names(type(thing))]
             else:
                 owners[id(thing)] = held
         elif isinstance(thing, Mapping):
@@ -198,3 +198,9 @@ def held_bytes(*things: object) -> int:
         elif isinstance(thing, list | tuple):
             left += thing
     return sum(owners.values())
+
+
+@cache
+def _field_names(form: type[Any]) -> tuple[str, ...]:
+    """Names of the fields of a dataclass."""
+    return tuple(item.name for item in fields(form))

@@ -54,7 +54,7 @@ def _add(data: Any, found: blake2b) -> None:
         _add_bytes(f"{type(data).__name__}{data!r}".encode("utf-8", "surrogatepass"), found)
     elif is_dataclass(data) and not isinstance(data, type):
         _add_bytes(type(data).__qualname__.encode(), found)
-        for name in field_names(type(data)):
+        for name in _field_names(type(data)):
             _add(getattr(data, name), found)
     elif isinstance(data, Struct):
         _add_bytes(type(data).__qualname__.encode(), found)
@@ -82,7 +82,7 @@ def _add_bytes(part: bytes, found: blake2b) -> None:
 
 
 @cache
-def field_names(form: type[Any]) -> tuple[str, ...]:
+def _field_names(form: type[Any]) -> tuple[str, ...]:
     """Names of the fields of a dataclass."""
     return tuple(item.name for item in fields(form))
 
