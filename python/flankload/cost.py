@@ -190,7 +190,8 @@ def held_bytes(*things: object) -> int:
         elif is_dataclass(thing):
             held = getattr(thing, "nbytes", None)
             if held is None:
-                left += [getattr(thing, name) for name in _field_names(type(thing))]
+                form: type[Any] = type(thing)
+                left += [getattr(thing, name) for name in _field_names(form)]
             else:
                 owners[id(thing)] = held
         elif isinstance(thing, Mapping):
