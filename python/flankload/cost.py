@@ -7,8 +7,7 @@ result shows predictions beside it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
-from functools import cache
+from dataclasses import dataclass, field, is_dataclass
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -190,8 +189,7 @@ def held_bytes(*things: object) -> int:
         elif is_dataclass(thing):
             held = getattr(thing, "nbytes", None)
             if held is None:
-                form: type[Any] = type(thing)
-                left += [getattr(thing, name) for name in _field_names(form)]
+                left += [getattr(thing, name) for name in thing.__dataclass_fields__]
             else:
                 owners[id(thing)] = held
         elif isinstance(thing, Mapping):
@@ -199,9 +197,3 @@ def held_bytes(*things: object) -> int:
         elif isinstance(thing, list | tuple):
             left += thing
     return sum(owners.values())
-
-
-@cache
-def _field_names(form: type[Any]) -> tuple[str, ...]:
-    """Names of the fields of a dataclass."""
-    return tuple(item.name for item in fields(form))
