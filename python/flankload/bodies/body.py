@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -147,6 +147,8 @@ class WholeMesh:
     cells: tuple[tuple[str, Numbers], ...]
     fixed_nodes: Numbers
     flanks: tuple[MeshedFlank, ...]
+    #: All elements are as wide as the teeth.
+    regions: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def of_blocks(cls, blocks: BlockMesh, fixed: Numbers, flank: Numbers, s: Floats) -> WholeMesh:

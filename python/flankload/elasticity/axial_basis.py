@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from flankload.base.arrays import Floats, Numbers
-    from flankload.bodies.body import SectorMesh
+    from flankload.bodies.body import SectorMesh, WholeMesh
     from flankload.elasticity.finite_elements import SectionStiffness
 
 #: Exponents of (R2b), and least degree of the polynomials beside these functions.
@@ -249,7 +249,7 @@ def mode_norms_z(width_mm: float, degree: int) -> Floats:
 
 
 def functions_of(
-    mesh: SectorMesh, axial: AxialBasis, extents_mm: Mapping[str, tuple[float, float]]
+    mesh: SectorMesh | WholeMesh, axial: AxialBasis, extents_mm: Mapping[str, tuple[float, float]]
 ) -> tuple[tuple[int, ...], AxialFunctions]:
     """Region of each entry of the mesh's cells, and the functions of its nodes.
 

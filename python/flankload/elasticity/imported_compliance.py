@@ -11,16 +11,15 @@ from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.imported.compliance import ModalCompliance, NodalCompliance
 from flankload.elasticity.axial_basis import mode_norms_z
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
-from flankload.elasticity.compliance.contributions import AxialModes
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import (
     logarithm_strength,
     mode_norms,
-    mode_products,
     mode_values,
     projected_near_field,
 )
 from flankload.elasticity.nodal_loads import linear_shapes, shape_widths
+from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import made_symmetric
 from flankload.errors import ComplianceFileError
 
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
+    from flankload.elasticity.prism import Prism
 
 #: Largest difference between a response and its transpose, relative to the largest response.
 LARGEST_ASYMMETRY = 1e-6
@@ -109,9 +109,18 @@ def _of_modes(
             f"transposed (reciprocity), to {LARGEST_ASYMMETRY:g} of the largest entry",
             found=f"{asymmetry:.3g}",
         )
-    modes, products, near = _near_field(body, imported)
+    near = NearField(
+        imported.kernel,
+        jump=imported.jump if friction else 0.0,
+        wedge=image_strengths(body),
+        wedge_along=along_strengths(body),
+    )
+    n, extent = smooth.shape[1] // imported.modes_per_place, _extent(body, imported)
+    parts = extent.near_products(body, near, n, friction=False)
+    over_width = mode_norms_z(extent.axial.width_mm, extent.load_degree)
+    products = np.kron(parts.modes, np.diag(over_width))
     whole = products @ smooth @ products
-    whole[own] += near
+    whole[own] += parts.normal
     least = _least_eigenvalue(whole, f)
     if not least > 0.0:
         raise ComplianceFileError(
@@ -123,13 +132,8 @@ def _of_modes(
         )
     found = BodyCompliance(
         smooth=symmetric,
-        near=NearField(
-            imported.kernel,
-            jump=imported.jump if friction else 0.0,
-            wedge=image_strengths(body),
-            wedge_along=along_strengths(body),
-        ),
-        modes=modes,
+        near=near,
+        modes=FlankModes(body.mode_range_mm, tip=imported.tip, axial=parts.axial),
         flanks=imported.flanks,
         tangential=imported.tangential if friction else None,
         turned=imported.turned,
@@ -139,33 +143,14 @@ def _of_modes(
     return found.fewer_modes(spare) if spare > 0 else found
 
 
-def _near_field(body: Body, imported: ModalCompliance) -> tuple[FlankModes, Floats, Floats]:
-    """Modes, their products <P, P> and their products by the near field <P, near P> (p, p)."""
-    n, tip = imported.smooth.shape[1] // imported.modes_per_place, imported.tip
+def _extent(body: Body, imported: ModalCompliance) -> PlaneExtent | Prism:
+    """Extent along the axis of the body of a file."""
     if imported.axial_degree is None:
-        low, high = body.mode_range_mm
-        behind = None if tip is None else tip.behind(low)
-        near = projected_near_field(n, high - low, wedge=image_strengths(body), tip=behind)
-        products = (
-            np.diag(mode_norms(body.mode_range_mm, n))
-            if tip is None
-            else mode_products(body.mode_range_mm, n, tip)
-        )
-        return FlankModes(body.mode_range_mm, tip=tip), products, -imported.kernel * near
-    from flankload.elasticity.prism import Prism, flank_surface
-    from flankload.elasticity.prism.flank_potential import projected_potential
+        return PlaneExtent(imported.plane)
+    from flankload.elasticity.prism import Prism
 
     shape, degree = body.axial, imported.axial_degree
-    surface = flank_surface(body, Prism(shape.range_mm, shape.twist_rad_per_mm, degree, degree))
-    axial = AxialModes(
-        shape.range_mm, degree, shape.twist_rad_per_mm, surface.cos_base_helix, surface.end
-    )
-    over_width = np.diag(mode_norms_z(shape.width_mm, degree))
-    return (
-        FlankModes(body.mode_range_mm, tip=tip, axial=axial),
-        np.asarray(np.kron(surface.products(n), over_width), dtype=float),
-        0.5 * imported.kernel * projected_potential(surface, n, degree),
-    )
+    return Prism(shape.range_mm, shape.twist_rad_per_mm, degree, degree)
 
 
 def _least_eigenvalue(whole: Floats, flanks: int) -> float:

@@ -128,16 +128,6 @@ class MeshBody(
         """Larger without a profile, since the reference radius is rounded."""
         return super().helix_tolerance_deg if self.profile else axial.HELIX_TOLERANCE_OF_RADII
 
-    def check_solid(self, key: str, why: str) -> None:
-        """Refuse the mesh of a whole body."""
-        if self.flank_sets is not None:
-            refuse(
-                f"{key}.flank_sets",
-                f"nothing, since {why} requires three dimensions: this version has sectors there, "
-                "with flank_set and cut_sets",
-                shown(list(self.flank_sets)),
-            )
-
     @property
     def flank_keys(self) -> tuple[str, Table | None]:
         """The keys of the flank are those of the profile, if there is one."""
@@ -148,6 +138,9 @@ class MeshBody(
         _check_sets(self, given, key)
         self.check_axial(given, key)
         self.check_regions(key)
+        if self.flank_sets is not None and self.region_sets is not None:
+            expected = f"nothing beside {key}.flank_sets: a whole body is as wide as its teeth"
+            refuse(f"{key}.region_sets", expected, shown(list(self.region_sets)))
         teeth, profile = self.number_of_teeth, self.profile
         reference = 2 * pi * (self.reference_radius_mm or 0.0) / teeth
         base_pitch = reference if profile is None else profile.base_pitch_mm

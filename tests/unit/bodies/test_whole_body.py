@@ -18,6 +18,7 @@ from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.loaded_bodies import field_bodies
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.meshes.plane_mesh import boundary_edges
 from flankload.scene.accuracy import Accuracy
@@ -117,6 +118,31 @@ def test_whole_pinion_has_the_results_of_its_sector(folder: Path, by_nodes: fl.R
     assert_same(found, by_nodes)
     assert found.cost["fe_factorisations"] == 2
     assert found.cost["unit_loads_normal"] == (16 + 1) * 3
+
+
+def test_whole_pinion_over_its_width_is_its_sector(folder: Path) -> None:
+    """At the degree that displacements on the cuts of a sector have."""
+    found, sectors = (
+        solve(over_width(body))
+        for body in (
+            whole("body_1", folder / "pinion_whole.inp"),
+            sector("body_1", COARSE_PINION),
+        )
+    )
+    assert_same(found, sectors)
+    loads, wanted = (each.slice_line_load_N_per_mm for each in (found, sectors))
+    np.testing.assert_allclose(loads, wanted, atol=SOLVER * wanted.max())
+    bodies = field_bodies(over_width(whole("body_1", folder / "pinion_whole.inp")))
+    assert bodies["body_1"] == "meshed as a whole: in three dimensions sectors alone have fields"
+
+
+def over_width(body_1: dict) -> fl.Scene:
+    """A crowned pinion on a wheel that is a sector, in three dimensions."""
+    tree = scene_of({**body_1, "lead_crowning_um": 10.0}, sector("body_2", COARSE_WHEEL)).to_dict()
+    more = {"axial_degree": 4, "load_degree_z": 0, "slices": 6}
+    return fl.Scene.from_dict(
+        tree | {"accuracy": tree["accuracy"] | more, "positions": {"count": 1}}
+    )
 
 
 def test_both_whole_bodies_with_profiles_agree_with_parametric_ones(folder: Path) -> None:

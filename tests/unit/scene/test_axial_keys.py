@@ -75,6 +75,7 @@ def test_a_scene_without_variation_along_the_axis_is_plane(changes: dict[str, An
     assert scene.effects.contact == "pairs"
 
 
+REGIONS = {"region_sets": ["WEB", "HUB"], "region_widths_mm": [4, 20]}
 WHOLE = {"kind": "mesh", "file": "a.msh", "flank_sets": ["A", "B", "C"], "reference_radius_mm": 50}
 SECTOR = {"kind": "mesh", "file": "a.msh", "teeth": 24, "reference_radius_mm": 50.743}
 #: Its transverse section is that of the gears with a helix of 15 degrees.
@@ -202,13 +203,19 @@ CROWNED = {"body_1__lead_crowning_um": 5}
             "5",
         ),
         (
-            {"effects__dimension": 3, "body_2": WHOLE},
-            "body_2.flank_sets",
+            {"effects__dimension": 3, "effects__root_stress": True, "body_2": WHOLE},
+            "effects.root_stress",
             (
-                "nothing, since effects.dimension = 3 requires three dimensions: this version has "
-                "sectors there, with flank_set and cut_sets"
+                "false, since effects.dimension = 3 requires three dimensions, where body_2 needs "
+                "the mesh of a sector for it (body_2.flank_sets names the flanks of a whole body)"
             ),
-            "['A', 'B', 'C']",
+            "true",
+        ),
+        (
+            {"body_2": WHOLE | REGIONS},
+            "body_2.region_sets",
+            "nothing beside body_2.flank_sets: a whole body is as wide as its teeth",
+            "['WEB', 'HUB']",
         ),
         (
             {**HELICAL, "body_2": SECTOR | {"hand": "left", "helix_angle_deg": 15}},
@@ -235,7 +242,6 @@ def test_contradictions_get_one_line(
 
 WEBBED = {f"body_1__{key}": value for key, value in WEB.items()}
 WITH_HUB = WEBBED | {f"body_1__{key}": value for key, value in HUB.items()}
-REGIONS = {"region_sets": ["WEB", "HUB"], "region_widths_mm": [4, 20]}
 
 
 @pytest.mark.parametrize(

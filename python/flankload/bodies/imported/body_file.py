@@ -36,8 +36,7 @@ def write_body(path: str | Path, mesh: SectorMesh | WholeMesh, *, turn_rad: floa
     MeshError
         If the suffix is unknown.
     """
-    regions = () if isinstance(mesh, WholeMesh) else mesh.regions
-    write_mesh(path, turned(mesh.nodes, turn_rad), mesh.cells, _named_edges(mesh), regions)
+    write_mesh(path, turned(mesh.nodes, turn_rad), mesh.cells, _named_edges(mesh), mesh.regions)
 
 
 def _named_edges(mesh: SectorMesh | WholeMesh) -> dict[str, Numbers]:

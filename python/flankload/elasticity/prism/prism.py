@@ -72,8 +72,7 @@ class Prism:
         return AxialBasis(self.range_mm, self.degree)
 
     def section(self, mesh: SectorMesh | WholeMesh, material: Material) -> SectionStiffness:
-        """Stiffness of a sector."""
-        assert isinstance(mesh, SectorMesh)
+        """Stiffness of a mesh."""
         regions, functions = functions_of(mesh, self.axial, dict(self.regions))
         section = section_stiffness(mesh.nodes, mesh.cells, material, self.twist, regions)
         cut_degree = self.cut_degree
@@ -84,8 +83,10 @@ class Prism:
 
     def bore(self, section: SectionStiffness, mesh: SectorMesh | WholeMesh) -> FlexibleBore | None:
         """The bore that follows the shaft; None if it is fixed or free."""
+        if self.shaft is None:
+            return None
         assert isinstance(mesh, SectorMesh)
-        if self.shaft is None or mesh.has_free_bore:
+        if mesh.has_free_bore:
             return None
         from flankload.elasticity.prism.flexible_bore import FlexibleBore
 
@@ -117,7 +118,7 @@ class Prism:
         return RootResponse(points, found.reshape(shape), self.range_mm)
 
     def check(self, body: Body) -> None:
-        """Raise a SceneError for an invalid width, load degree or mesh."""
+        """Raise a SceneError for an invalid width or load degree."""
         low, high = self.range_mm
         if not low < high:
             raise SceneError(key="face_width_mm", expected="above 0", found=f"{high - low:g}")
@@ -127,10 +128,4 @@ class Prism:
                 key="load_degree_z",
                 expected=f"0 to {most} (axial_degree {self.degree} minus {DEGREES_ABOVE_LOADS})",
                 found=self.load_degree,
-            )
-        if body.mesh is not None and not isinstance(body.mesh, SectorMesh):
-            raise SceneError(
-                key=body.kind,
-                expected="a body of equal sectors in three dimensions",
-                found="the mesh of a whole body",
             )

@@ -32,6 +32,8 @@ def check_effects(asked: SceneFile, given: Mapping[str, Any]) -> None:
     _check_teeth(asked, given.get("effects", {}))
     _check_expansion(asked)
     spatial = three_dimensional_key(asked)
+    if spatial is not None:
+        _check_whole_meshes(asked, spatial)
     for effect in wanted:
         # lumped contact of slices applies to all kinds
         if spatial is None or effect.name != "lumped_contact":
@@ -153,6 +155,15 @@ def _check_teeth(asked: SceneFile, given: Mapping[str, Any]) -> None:
     if not effects.tip_contact:
         expected = "true with body_2.kind 'cam', which has neither tips nor fillets"
         refuse("effects.tip_contact", expected, False)
+
+
+def _check_whole_meshes(asked: SceneFile, spatial: str) -> None:
+    """Check that no root stress of a whole mesh over its width is requested."""
+    for name, spec in _bodies(asked):
+        if asked.effects.root_stress and isinstance(spec, MeshBody) and spec.flank_sets:
+            expected = f"false, since {spatial} requires three dimensions, where {name} needs the "
+            expected += f"mesh of a sector for it ({name}.flank_sets names the flanks of a whole "
+            refuse("effects.root_stress", f"{expected}body)", "true")
 
 
 def _check_expansion(asked: SceneFile) -> None:

@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import logarithm_strength, mode_values
@@ -140,14 +139,6 @@ def test_fewer_modes_beside_a_tip_keep_those_along_the_axis() -> None:
     by_degree = fewer.smooth.reshape(16, 4, 3, 4, 3)
     assert np.abs(by_degree[:, :, 0, :, 1]).max() < ROUND_OFF * np.abs(by_degree).max()
     assert fewer.fewer_axial_modes().smooth.shape == (16, 4, 4)
-
-
-def test_a_whole_mesh_is_refused() -> None:
-    mesh = BODY.mesh
-    assert isinstance(mesh, SectorMesh)
-    whole = WholeMesh(mesh.nodes, mesh.cells, mesh.fixed_nodes, ())
-    with pytest.raises(SceneError, match="expected a body of equal sectors in three dimensions"):
-        flank_compliance(replace(BODY, mesh=whole), JobOptions(n_modes=3, prism=COARSE))
 
 
 def test_a_rigid_body_has_no_compliance() -> None:
