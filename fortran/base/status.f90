@@ -83,7 +83,7 @@ module flankload_status
         & status_type(code_only_ends, &
         & 'flanks are nearest to each other at excluded ends'), &
         & status_type(code_not_in_slices, &
-        & 'no finite forces or closed flanks in slices; no friction or shifts if conforming'), &
+        & 'no finite forces or closed flanks in slices, and no shifts if they conform'), &
         & status_type(code_one_mesh_only, &
         & 'no friction, finite forces, conforming slices or mixed models in several meshes')]
 
