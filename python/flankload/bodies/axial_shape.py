@@ -134,12 +134,6 @@ class AxialShape:
         """Relative axial positions: 0 at the end of smaller z, 1 at that of larger z."""
         return (z_mm - self.range_mm[0]) / self.width_mm
 
-    @property
-    def symmetric(self) -> bool:
-        """Whether the body has no helix and a plane of symmetry across the axis."""
-        extents = [self.range_mm, *(extent for _, extent in self.regions)]
-        return not self.twist_rad_per_mm and share_middle(extents)
-
     def gap_mm(self, z_mm: Floats) -> Floats:
         """Metal removed by the lead modifications at axial positions (n,), mm."""
         return self.lead.at(self.zeta(z_mm), self.width_mm)

@@ -35,6 +35,16 @@ class PlaneExtent:
     plane : {"strain", "stress"}
     width_mm : float
         Width of loads and displacements.
+    components : int
+        Components of a displacement.
+    rigid_motions : int
+        Motions of a rigid body.
+    factorisations : int
+        Number of sets of unknowns that are not coupled.
+    recovers_stress : bool
+        Whether stress recovery estimates the error of its elements, else that of a plane section.
+    turns_at_tips : bool
+        Whether the tangential displacement of a sharp tip is read.
     """
 
     plane: str = "strain"
@@ -42,6 +52,10 @@ class PlaneExtent:
     load_degree = 0
     twist = None
     regions = ()
+    components = 2
+    rigid_motions = 3
+    factorisations = 1
+    recovers_stress = turns_at_tips = True
 
     @property
     def axial(self) -> AxialBasis:

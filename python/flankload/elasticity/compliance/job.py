@@ -157,7 +157,7 @@ def _prepared(
             mesh.nodes, mesh.cells, body.material, options.plane, moved[:, :columns]
         )
 
-    estimated = options.estimate and not options.nodal and options.prism is None
+    estimated = options.estimate and not options.nodal and options.extent.recovers_stress
     log = JobLog(account, estimate=estimate if estimated else None)
     section = extent.section(mesh, body.material)
     log.account.workspace_bytes += section.bytes
@@ -186,7 +186,7 @@ def _loads(body: Body, options: JobOptions) -> FlankLoads:
 
 def _turns(body: Body, options: JobOptions) -> bool:
     """Whether the tangential displacement of a sharp tip is read."""
-    return not options.nodal and options.prism is None and has_turned_forces(body)
+    return not options.nodal and options.extent.turns_at_tips and has_turned_forces(body)
 
 
 def _readings(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.axial_shape import share_middle
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.axial_basis import AxialBasis, functions_of
 from flankload.elasticity.compliance.contributions import AxialModes, NearProducts, RootResponse
@@ -65,6 +66,15 @@ class Prism:
     regions: tuple[tuple[str, tuple[float, float]], ...] = ()
     shaft: FlexibleShaft | None = None
     plane = "strain"
+    components = 3
+    rigid_motions = 6
+    recovers_stress = turns_at_tips = False
+
+    @property
+    def factorisations(self) -> int:
+        """Number of uncoupled sets of unknowns: two with a plane of symmetry across the axis."""
+        extents = [self.range_mm, *(extent for _, extent in self.regions)]
+        return 1 + (not self.twist and share_middle(extents))
 
     @property
     def axial(self) -> AxialBasis:

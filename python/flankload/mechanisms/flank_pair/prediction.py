@@ -16,17 +16,16 @@ from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance.tip_force import has_turned_forces
-from flankload.elasticity.condensed_sector import AXIAL_MOTIONS, IN_PLANE
+from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import unknowns_of
-from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of
+from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of, prism_of
 from flankload.mechanisms.stage_clock import elements_stage
-from flankload.scene.axial import degrees_of
 from flankload.scene.effects import work_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from flankload.bodies.body import Body
+    from flankload.elasticity.prism import Prism
     from flankload.mechanisms.elements import ElasticBodies
     from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
@@ -82,30 +81,30 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     places = 0 if fillets is None else int(fillets.points.arc_length_mm.size)
     if body.mesh is None:
         return _solved(0, 0, 0)
-    extension = _extension(body, scene)
-    degrees, nodal = extension.degrees, pair.effects.nodal_near_field
+    extent = prism_of(body, scene) or PlaneExtent()
+    nodal = pair.effects.nodal_near_field
     columns = _Columns(
         of_profile=tuple(
             round(part) * modes for part in (work.normal_loads, work.tangential_loads)
         ),
-        extension=extension,
+        extent=extent,
         growth=growth,
         places=places,
         coast=round(work.coast_readings),
         # a sharp tip moves along the flank, too
-        corners=int(extension.sharp_tips and not nodal and has_turned_forces(body)),
-        rim=RIM_LOADS * (degrees[1] + 1) if job.rim else 0,
+        corners=int(extent.turns_at_tips and not nodal and has_turned_forces(body)),
+        rim=RIM_LOADS * (extent.load_degree + 1) if job.rim else 0,
     )
     tooth = pair.effects.single_tooth
     found = columns.work(body.mesh, tooth=tooth)
     estimated = scene.accuracy.estimate and _is_estimated(pair, z)
-    if estimated and not body.axial.plane:  # of the plane section
+    if estimated and not extent.recovers_stress:  # of the plane section
         found["fe_factorisations"] += 1
         found["fe_solutions"] += sum(columns.of_profile)
-        if body.axial.regions:  # another degree along the axis
-            found["fe_factorisations"] += extension.factorisations
-            found["fe_solutions"] += sum(columns.of_profile) * (degrees[1] + 1)
-    per_node = extension.components * (degrees[0] + 1)
+        if extent.regions:  # another degree along the axis
+            found["fe_factorisations"] += extent.factorisations
+            found["fe_solutions"] += sum(columns.of_profile) * (extent.load_degree + 1)
+    per_node = extent.components * extent.axial.count
     found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth, per_node=per_node)
     counted = _without_unasked(found, pair.effects)
     if job.rim:  # its response is part of larger arrays
@@ -136,34 +135,6 @@ def _is_estimated(pair: ElasticBodies, z: int) -> bool:
 
 
 @dataclass(frozen=True)
-class _Extension:
-    """Numbers of the elements that depend on how a body extends along its axis.
-
-    `degrees` are those of displacements and loads along the axis, `components` those of a
-    displacement, `bore_motions` those of a free bore; with a plane of symmetry across the axis
-    there are two factorisations of half the size. `sharp_tips`: whether forces turn at them.
-    """
-
-    degrees: tuple[int, int]
-    components: int
-    bore_motions: int
-    factorisations: int
-    sharp_tips: bool
-
-
-#: Extension of a body in the plane.
-IN_THE_PLANE = _Extension((0, 0), 2, IN_PLANE.size, 1, sharp_tips=True)
-
-
-def _extension(body: Body, scene: Scene) -> _Extension:
-    """The extension of a body of a scene along its axis."""
-    if body.axial.plane:
-        return IN_THE_PLANE
-    parts = 1 + body.axial.symmetric
-    return _Extension(degrees_of(scene.accuracy), 3, len(AXIAL_MOTIONS), parts, sharp_tips=False)
-
-
-@dataclass(frozen=True)
 class _Columns:
     """Loads and readings of the elements of a body.
 
@@ -171,8 +142,8 @@ class _Columns:
     ----------
     of_profile : (int, int)
         Normal and tangential loads of a flank, each over all of the width.
-    extension : _Extension
-        Extension of the body along its axis.
+    extent : PlaneExtent or Prism
+        Extent of the body along its axis.
     growth, places : int
         Body loads, and places of stress.
     coast, corners : int
@@ -182,7 +153,7 @@ class _Columns:
     """
 
     of_profile: tuple[int, ...]
-    extension: _Extension
+    extent: PlaneExtent | Prism
     growth: int
     places: int
     coast: int
@@ -194,9 +165,7 @@ class _Columns:
 
         Without cuts or with fixed ones, readings come from the solutions of the load cases.
         """
-        factorisations = self.extension.factorisations
-        degree, load_degree = self.extension.degrees
-        along = load_degree + 1
+        factorisations, along = self.extent.factorisations, self.extent.load_degree + 1
         normal, tangential = (part * along * len(mesh.flanks) for part in self.of_profile)
         if not isinstance(mesh, SectorMesh):
             return _solved(factorisations, normal, tangential, fe_load_cases_growth=self.growth)
@@ -208,12 +177,13 @@ class _Columns:
             normal + self.rim,
             tangential,
             fe_load_cases_growth=self.growth,
-            bore_reactions=mesh.has_free_bore * self.extension.bore_motions,
+            bore_reactions=mesh.has_free_bore * self.extent.rigid_motions,
             stress_recoveries=self.places,
             coast_readings=coast,
             corner_readings=self.corners,
         )
-        found["fe_solutions"] += self.places * degree  # one for each function of z
+        # one for each function of z
+        found["fe_solutions"] += self.places * self.extent.axial.degree
         return found
 
     def bytes(
@@ -227,7 +197,7 @@ class _Columns:
         )
         both = normal + tangential
         own = normal * both + along * tangential**2
-        recovered = self.places * (self.extension.degrees[0] + 1)
+        recovered = self.places * self.extent.axial.count
         own += recovered * both * (1 + self.coast) + self.corners * normal
         return WORD * blocks * (own + 3 * self.coast * normal * both)
 
