@@ -111,17 +111,18 @@ class SectionStiffness:
         return found.reshape(moved.shape)
 
 
-def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
-    """Lamé's lambda and mu (MPa) in plane "strain" or "stress".
-
-    In plane stress lambda is 2 lambda mu / (lambda + 2 mu).
-    """
+def plane_moduli(material: Material, plane: str) -> tuple[float, float]:
+    """E' (MPa) and nu' of the plane: E and nu, in plane strain E/(1 - nu²) and nu/(1 - nu)."""
     modulus, ratio = material.young_modulus_MPa, material.poisson_ratio
-    lame_mu = modulus / (2 * (1 + ratio))
-    lame_lambda = modulus * ratio / ((1 + ratio) * (1 - 2 * ratio))
-    if plane == "stress":
-        lame_lambda = 2 * lame_lambda * lame_mu / (lame_lambda + 2 * lame_mu)
-    return lame_lambda, lame_mu
+    if plane == "strain":
+        return modulus / (1.0 - ratio**2), ratio / (1.0 - ratio)
+    return modulus, ratio
+
+
+def lame_parameters(material: Material, plane: str) -> tuple[float, float]:
+    """Lamé's lambda and mu (MPa) in plane "strain" or "stress"."""
+    modulus, ratio = plane_moduli(material, plane)
+    return modulus * ratio / (1.0 - ratio**2), modulus / (2.0 * (1.0 + ratio))
 
 
 def stiffness(nodes: Floats, cells: Cells, material: Material, plane: str) -> SectionStiffness:

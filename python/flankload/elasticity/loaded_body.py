@@ -121,9 +121,7 @@ class LoadedBody:
     def flank_widths(self, tooth: int, *, coast: bool = False) -> tuple[Numbers, Floats]:
         """Nodes (k,) of a flank, and the area (k,) of each per mm along z, mm."""
         nodes, widths = node_widths(*self._edges(tooth, coast=coast))
-        if self.section.twist:
-            widths = widths * np.hypot(1.0, self.section.twist * self.body.normal_lever_mm)
-        return nodes, widths
+        return nodes, widths * np.hypot(1.0, self.section.twist * self.body.normal_lever_mm)
 
     def nodal(self, part: BodyPart, forces: PointForces) -> tuple[Floats, Floats]:
         """Forces (n, J, 3) at the points of a part, N, and pressures (n, J) on its flanks, MPa."""

@@ -32,6 +32,7 @@ from flankload.bodies.tip_modes import (
     tip_modes,
     tip_values,
 )
+from flankload.elasticity.finite_elements import plane_moduli
 from flankload.elasticity.fronts.mirror import axis_of, reflection
 
 if TYPE_CHECKING:
@@ -49,22 +50,20 @@ LOGARITHM_POINTS = 14
 def logarithm_strength(material: Material, plane: str) -> float:
     """c0 (mm²/N) of the normal displacement -c0 ln(distance) of a half-plane per force and width.
 
-    2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
+    2/(pi E'): 2 (1 - nu²)/(pi E) in plane strain, 2/(pi E) in plane stress.
     """
-    factor = 1.0 - material.poisson_ratio**2 if plane == "strain" else 1.0
-    return 2.0 * factor / (np.pi * material.young_modulus_MPa)
+    return 2.0 / (np.pi * plane_moduli(material, plane)[0])
 
 
 def jump_strength(material: Material, plane: str) -> float:
     """j (mm²/N) of the normal displacement of a half-plane per tangential force and width.
 
     Out of the material, -j in front of the force and j behind it, at any distance:
-    (1 - 2 nu)(1 + nu)/(2 E) in plane strain, (1 - nu)/(2 E) in plane stress; K. L. Johnson, Contact
-    Mechanics, (2.23).
+    (1 - nu')/(2 E'), (1 - 2 nu)(1 + nu)/(2 E) in plane strain; K. L. Johnson, Contact Mechanics,
+    (2.23).
     """
-    ratio = material.poisson_ratio
-    factor = (1.0 - 2.0 * ratio) * (1.0 + ratio) if plane == "strain" else 1.0 - ratio
-    return factor / (2.0 * material.young_modulus_MPa)
+    modulus, ratio = plane_moduli(material, plane)
+    return (1.0 - ratio) / (2.0 * modulus)
 
 
 def mode_values(

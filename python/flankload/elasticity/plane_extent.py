@@ -9,7 +9,7 @@ import numpy as np
 
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.compliance.contributions import AxialModes, NearProducts, RootResponse
-from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.finite_elements import plane_moduli, stiffness
 from flankload.elasticity.near_field import (
     mode_norms,
     mode_products,
@@ -96,10 +96,8 @@ class PlaneExtent:
     def root_columns(
         self, fillets: RootFillets, flank: int, section: SectionStiffness, material: Material
     ) -> Floats:
-        """Strain (N, 2, r) along the free surface times E, in plane strain E/(1 - nu²)."""
-        modulus = material.young_modulus_MPa
-        if self.plane == "strain":
-            modulus /= 1 - material.poisson_ratio**2
+        """Strain (N, 2, r) along the free surface times E'."""
+        modulus, _ = plane_moduli(material, self.plane)
         strains = fillets.columns(flank, 2 * section.nodes)
         return modulus * strains.reshape(section.nodes, 2, -1)
 

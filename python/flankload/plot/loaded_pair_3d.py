@@ -147,6 +147,5 @@ def _words(result: Result, body: int) -> str:
     """Number, teeth and hand of a body."""
     shape = result.drawing.axial[body - 1]
     teeth = (result.drawing.teeth_1, result.drawing.teeth_2)[body - 1]
-    twist = shape.twist_rad_per_mm
-    hand = "right hand" if twist > 0 else "left hand" if twist < 0 else "spur"
+    hand = ("spur", "right hand", "left hand")[shape.hand_sign]
     return f"Body {body}, {teeth} teeth, {hand}"

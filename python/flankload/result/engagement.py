@@ -89,8 +89,7 @@ class Engagement(ABC):
             *own,
             *["transmission_error_spectrum"] * (spectrum and "transmission_error" in own),
             *["load_map"] * (several and self.pairs_advance),
-            *["root_stress"] * stressed,
-            *["root_stress_over_width"] * (stressed and result.slices is not None),
+            *result.width_loads.root_pictures * stressed,
         )
 
     @property
@@ -150,7 +149,6 @@ class TeethInMesh(Engagement):
     def own_pictures(self, result: Result) -> tuple[str, ...]:
         several, loaded = result.position_rad.size > 1, result.torque_Nm > 0
         profiles = any(profile is not None for profile in result.drawing.profiles)
-        slices = ("line_load", "line_load_map", "contact_pattern")
         return (
             "transmission_error",
             "load_sharing",
@@ -160,7 +158,7 @@ class TeethInMesh(Engagement):
             *["flank_forces"] * (result.coast is not None),
             *["stiffness"] * loaded,
             *["profile_deviation"] * profiles,
-            *slices * (result.slices is not None and loaded),
+            *result.width_loads.pictures * loaded,
         )
 
 
@@ -191,8 +189,7 @@ class TeethAllAround(Engagement):
         ]
 
     def own_pictures(self, result: Result) -> tuple[str, ...]:
-        along = "flank_pressure" if result.slices is None else "line_load_map"
-        several = result.position_rad.size > 1
+        along, several = result.width_loads.picture_all_around, result.position_rad.size > 1
         return ("load_per_tooth", along, "loaded_pair", *["transmission_error"] * several)
 
     def out_of_all(self, result: Result) -> str:

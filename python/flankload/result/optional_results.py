@@ -194,8 +194,7 @@ class EffectResults(LoadedPositions):
     @per_torque
     def line_load_N_per_mm(self) -> Floats:
         """(P, S) Force of each pair per mm of face width; (P, S, J) in three dimensions."""
-        loads = self.width_loads.line_load_N_per_mm
-        return loads[..., 0] if self.slices is None else loads
+        return self.width_loads.per_width
 
     @property
     def slice_z_mm(self) -> Floats:

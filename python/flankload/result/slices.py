@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -57,6 +57,10 @@ class SliceLoads(KeepsReadOnly, Card):
     weights: Floats
     directions: Floats | None = None
     coast_force_N: Floats | None = None
+    #: Pictures over the width of teeth in mesh, of root stress, and of teeth all around.
+    pictures: ClassVar[tuple[str, ...]] = ("line_load", "line_load_map", "contact_pattern")
+    root_pictures: ClassVar[tuple[str, ...]] = ("root_stress", "root_stress_over_width")
+    picture_all_around = "line_load_map"
 
     @property
     def enter_in_turn(self) -> bool:
@@ -172,6 +176,28 @@ class SliceLoads(KeepsReadOnly, Card):
         # (x, y, z) x F n, in the plane of x and y
         return frozen(np.stack([-(along * normal_y).sum(1), (along * normal_x).sum(1)], axis=1))
 
+    def summary(self) -> dict[str, float]:
+        """Entries of the summary of a result."""
+        _, _, j = np.unravel_index(self.mean_line_load_N_per_mm.argmax(), self.force_N.shape)
+        return {
+            "face_load_factor": self.face_load_factor,
+            "line_load_factor": self.line_load_factor,
+            "line_load_length_mm": self.line_load_length_mm,
+            "peak_line_load_z_mm": float(self.z_mm[j]),
+            "axial_force_N": float(np.abs(self.axial_force_N).max()),
+            "tilting_moment_Nm": float(np.abs(self.tilting_moment_Nm).max()),
+        }
+
+    def factor_of(self, which: slice) -> float | None:
+        """K_Hbeta of some positions, which have equal parts in the mean; None in the plane."""
+        force = self.force_N[which]
+        return replace(self, force_N=force, weights=np.ones(len(force))).face_load_factor
+
+    @property
+    def per_width(self) -> Floats:
+        """Line loads in the shape of results: (P, S, J), (P, S) in the plane."""
+        return self.line_load_N_per_mm
+
     def at_sites(self, sites: Numbers) -> SliceLoads:
         """The same for some of the sites."""
         return replace(
@@ -184,6 +210,10 @@ class SliceLoads(KeepsReadOnly, Card):
 
 class PlaneLoads(SliceLoads):
     """Loads of the only slice of a plane result, over whose width nothing varies."""
+
+    pictures = ()
+    root_pictures = ("root_stress",)
+    picture_all_around = "flank_pressure"
 
     @classmethod
     def of(cls, force_N: Floats, peak_pressure_MPa: Floats, face_width_mm: float) -> PlaneLoads:
@@ -198,6 +228,18 @@ class PlaneLoads(SliceLoads):
             line_load_length_mm=face_width_mm,
             weights=np.full(len(force_N), 1.0 / len(force_N)),
         )
+
+    def summary(self) -> dict[str, float]:
+        """No entries."""
+        return {}
+
+    def factor_of(self, which: slice) -> None:
+        """None."""
+
+    @property
+    def per_width(self) -> Floats:
+        """(P, S) The line load."""
+        return self.line_load_N_per_mm[..., 0]
 
     @cached_property
     def mean_line_load_N_per_mm(self) -> Floats:

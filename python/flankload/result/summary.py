@@ -73,7 +73,7 @@ def summary(result: Result) -> dict[str, Any]:
             for z, stress in enumerate(result.root_stress)
             if stress is not None
         },
-        **_of_slices(result),
+        **result.width_loads.summary(),
         **_of_shafts(result),
         **_of_power(result),
         **({} if result.drive is None else result.drive.summary(result)),
@@ -156,21 +156,6 @@ def _of_roots(result: Result, stress: RootStress) -> dict[str, Any]:
     span = stress.stress_MPa.max(axis=(0, 1)) - stress.stress_MPa.min(axis=(0, 1))
     found["range_MPa"] = float(span.max())
     return found
-
-
-def _of_slices(result: Result) -> dict[str, float]:
-    slices = result.slices
-    if slices is None:
-        return {}
-    _, _, j = np.unravel_index(slices.mean_line_load_N_per_mm.argmax(), slices.force_N.shape)
-    return {
-        "face_load_factor": slices.face_load_factor,
-        "line_load_factor": slices.line_load_factor,
-        "line_load_length_mm": slices.line_load_length_mm,
-        "peak_line_load_z_mm": float(slices.z_mm[j]),
-        "axial_force_N": float(np.abs(slices.axial_force_N).max()),
-        "tilting_moment_Nm": float(np.abs(slices.tilting_moment_Nm).max()),
-    }
 
 
 def _of_shafts(result: Result) -> dict[str, Any]:

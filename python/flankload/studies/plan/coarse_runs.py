@@ -25,7 +25,6 @@ from flankload.mechanisms.parameters import (
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.stage_clock import ELEMENTS
 from flankload.mechanisms.toggles import Toggle, toggles, without_keys
-from flankload.result.slices import relative_line_loads, relative_mean_line_loads
 from flankload.scene.effects import effects_of, known_effects, switches_of
 from flankload.scene.pair import Positions
 from flankload.scene.steps import STRIPS
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
     from flankload.mechanisms.effect_size import Size
     from flankload.mechanisms.parameters import Values
     from flankload.result import Result
-    from flankload.result.slices import SliceLoads
     from flankload.scene import Scene
     from flankload.scene.effects import Effect
 
@@ -261,19 +259,10 @@ def _states(results: tuple[Result, ...], which: slice = slice(None)) -> list[Sta
             result.sites,
             result.rotation_rad[which],
             result.site_force_N[which],
-            None if result.slices is None else _face_load_factor(result.slices, which),
+            result.width_loads.factor_of(which),
         )
         for result in results
     ]
-
-
-def _face_load_factor(slices: SliceLoads, which: slice) -> float:
-    """K_Hbeta of some positions, which have equal parts in the mean."""
-    force, length = slices.force_N[which], slices.line_load_length_mm
-    if slices.directions is not None:  # of a spline
-        return float(relative_line_loads(force, slices.width_mm, length, each=True).max())
-    weights = np.ones(len(force))
-    return float(relative_mean_line_loads(force, slices.width_mm, length, weights).max())
 
 
 @dataclass(frozen=True)

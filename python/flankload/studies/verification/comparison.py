@@ -105,11 +105,11 @@ def verify(
     require("most_unknowns", most_unknowns, "an integer > 0", fits=most_unknowns > 0)
     progress = progress or _silent
     scene = _checked(scene_of(scene))
-    plane = not is_spatial(scene).on
-    kind, usual = (model_of, ELEMENTS) if plane else (solid_model_of, SOLID_ELEMENTS)
+    solid = is_spatial(scene).on
+    kind, usual = ((model_of, ELEMENTS), (solid_model_of, SOLID_ELEMENTS))[solid]
     deck_of = partial(kind, large_displacement=large_displacement)
     elements = elements_per_half_width or usual
-    if not plane:
+    if solid:  # its deck takes time to write
         progress("size of the deck", 0, 1, None)
         expected = partial(_expected, scene, coarse_result(scene), position, deck_of)
         deck = expected(elements)
@@ -119,8 +119,7 @@ def verify(
     result = _solved(scene, position, progress)
     progress("deck", 0, 1, None)
     model = deck_of(scene, result, position, elements_per_half_width=elements)
-    if plane:
-        require_size(model.deck.unknowns, most_unknowns, elements)
+    require_size(model.deck.unknowns, most_unknowns, elements)
     path = _write(model.deck, folder)
     watched = partial(_tell_iteration, progress)
     keep = folder is not None
