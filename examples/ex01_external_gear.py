@@ -26,7 +26,7 @@ def main() -> None:
     print(f"  contact ratio        {summary['contact_ratio_under_load']:.3f} under load")
     print(f"  largest pressure     {summary['peak_pressure_MPa']:.0f} MPa")
 
-    # Who carries at the position that is a quarter of a pitch after the pitch point?
+    # Which teeth carry at the position a quarter of a pitch after the pitch point?
     p = len(result.position_rad) // 4
     for site, share, force in zip(
         result.sites, result.load_share[p], result.site_force_N[p], strict=True

@@ -1,7 +1,7 @@
-"""The way of the paper from end to end, equation by equation, beside the default way.
+"""The method of the paper from end to end, equation by equation, and the default method.
 
 W. Weese, V. Popov: Modellierung des mehrflächigen Reibungskontaktes zweier Rotationskörper. One
-position of the FZG type C pair, without friction. Run me: python examples/paper_route.py
+position of the FZG type C pair, without friction. Run: python examples/paper_route.py
 """
 
 from __future__ import annotations

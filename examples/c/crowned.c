@@ -1,5 +1,5 @@
 /* Two crowned steel rollers whose axes are not parallel: line load over the face width in three
- * dimensions, through the records of bodies, beside the ellipse of Hertz.
+ * dimensions, through the records of bodies, compared with the ellipse of Hertz.
  *
  * Each roller sits on a lever of 1 m; a torque on body 1 presses them together. */
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Load distribution of one position through the flat interface, from C.
  *
- * Reads points of the flanks and compliances from standard input, as
- * examples/legacy_fortran/pair.dat holds them. */
+ * Reads points of the flanks and compliances from standard input, in the
+ * format of examples/legacy_fortran/pair.dat. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* Load distribution over a pitch at several torques through the flat interface, from C.
  *
- * Reads angles, points of flanks and compliances from standard input, as
- * examples/legacy_fortran/sweep.dat holds them. */
+ * Reads angles, points of flanks and compliances from standard input, in the
+ * format of examples/legacy_fortran/sweep.dat. */
 #include <stdio.h>
 #include <stdlib.h>
 

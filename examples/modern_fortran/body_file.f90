@@ -1,4 +1,4 @@
-!> Points and compliance of a body from standard input; what is missing there ends the program.
+!> Points and compliance of a body from standard input; missing data end the program.
 module body_file
     use, intrinsic :: iso_fortran_env, only: error_unit
     use flankload, only: wp, nodal_body, new_nodal_body

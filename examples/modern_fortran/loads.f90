@@ -1,7 +1,7 @@
 !> Load distribution of one position at several torques, with the modules of flankload.
 !>
-!> Reads points of the flanks and compliances from standard input, as
-!> examples/legacy_fortran/pair.dat holds them.
+!> Reads points of the flanks and compliances from standard input, in the
+!> format of examples/legacy_fortran/pair.dat.
 program loads
     use, intrinsic :: iso_fortran_env, only: error_unit
     use flankload, only: wp, contact_result, status_text, nodal_body, nodal_pairs_type, &

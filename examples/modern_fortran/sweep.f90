@@ -1,7 +1,7 @@
 !> Load distribution over a pitch at several torques, with the modules of flankload.
 !>
-!> Reads angles, points of the flanks and compliances from standard input, as
-!> examples/legacy_fortran/sweep.dat holds them.
+!> Reads angles, points of the flanks and compliances from standard input, in the
+!> format of examples/legacy_fortran/sweep.dat.
 program sweep
     use flankload, only: wp, nodal_body, nodal_sweep_type, status_text, sweep_nodal_positions
     use body_file, only: expect, read_body

@@ -1,8 +1,8 @@
 """Two gears that turn slowly under torque in Exudyn: the table takes the place of a mesh stiffness.
 
 Coordinates are the angles of both gears, each positive in its own sense of rotation. The torque
-between them follows from the table: it is the one whose rotation at this angle is the rotation of
-gear 1 beyond gear 2. At low speed the gears run through the transmission error of the static table.
+between them is that at which the table has, at this angle, the present rotation of gear 1 beyond
+gear 2. At low speed the gears follow the static transmission error of the table.
 
     pip install exudyn  # run with 1.13
     python exudyn_gear_pair.py

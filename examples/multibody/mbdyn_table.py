@@ -10,7 +10,7 @@ import numpy as np
 from pair_table import TORQUES_NM, solved_table
 
 TORQUE_NM = 302.0
-#: Of both gears about axis 1, kg m²: J1 J2/(J2 + J1 (z2/z1)²).
+#: Moment of inertia of both gears about axis 1, kg m²: J1 J2/(J2 + J1 (z2/z1)²).
 INERTIA = 0.19e-3
 SPEED_RAD_PER_S = 1.0
 DAMPING = 0.1  # of the critical damping

@@ -1,4 +1,4 @@
-"""The table that the examples share: FZG type C pair, three torques."""
+"""The table used by these examples: FZG type C pair, three torques."""
 
 from pathlib import Path
 

@@ -1,8 +1,7 @@
 """Natural frequencies of two geared rotors in ROSS, with the stiffness of the teeth from flankload.
 
-ROSS couples two rotors by one stiffness along the line of action. The mean over the period is the
-one of a slow average; the frequencies at the least and the largest stiffness bound those that the
-teeth pass through.
+ROSS couples two rotors by one stiffness along the line of action. The mean stiffness over the
+period gives mean frequencies; the least and the largest one bound the frequencies that occur.
 
     pip install ross-rotordynamics "plotly<6"  # run with 2.3
     python ross_gear_pair.py
