@@ -157,3 +157,22 @@ def test_peak_of_a_pair_that_has_just_begun_to_carry_may_be_a_multiple() -> None
     doubt = np.asarray(peak_of_modes(sweep(shares), sweep(shares), fewer, in_shares).doubt)
     assert doubt[0, 1] > 0.4 * np.sqrt(2e-4)
     assert doubt[0, 0] == pytest.approx(3 * 2.7e-4, rel=1e-3)
+
+
+#: Solid elements of the FZG type C pair, 14 mm wide, at 5.625 degrees (docs/theory): what the
+#: rotation loses if the force has the mean of both normals, instead of each flank's own.
+TURNED_SOLIDS = (0.00116012 - 0.00115242) / 0.00116012
+
+
+def test_forces_that_turn_over_a_corner_have_a_source_in_three_dimensions() -> None:
+    """The closed form for both bodies gives a half to the whole of it, cells and slices."""
+    tree = deepcopy(SCENE)
+    tree["positions"] = {"angles_deg": [5.625]}
+    tree["effects"] = {"dimension": 3, "contact": "pairs"}
+    found = solve(fl.Scene.from_dict(tree))
+    assert isinstance(found, fl.Result)
+    assert found.estimate is not None
+    change = found.estimate["by_source"]["tip"]["transmission_error"]
+    assert 0.5 * TURNED_SOLIDS < change < TURNED_SOLIDS
+    assert found.estimate["transmission_error"] > 0.8 * TURNED_SOLIDS
+    assert not any("not included" in note for note in found.warnings)

@@ -1,12 +1,13 @@
 """Error of contacts on a sharp corner: one body is computed with the normal of its own flank.
 
-At a sharp corner the force has the mean of the normals of both flanks. The body with the corner
-includes the response along its flank (`BodyCompliance.turned`). Its mate is computed with its own
-normal, as is a body from a file without that response; both are then too compliant. The excess has
-a closed form: bending of the tooth and rotation of the rim displace a place along its circle about
-the axis. With the normal n of the flank, the direction n' of the force and the direction u of that
-circle, the compliance between places i and j is multiplied by k_i k_j, k = (n'·u)/(n·u). The near
-field has no preferred direction.
+At a sharp corner the force has the mean of the normals of both flanks. In the plane, the body with
+the corner includes the response along its flank (`BodyCompliance.turned`). Its mate is computed
+with its own normal, as is a body from a file without that response, and both bodies in three
+dimensions; these are too compliant. The excess has a closed form: bending of the tooth and rotation
+of the rim displace a place along its circle about the axis. With the normal n of the flank, the
+direction n' of the force and the direction u of that circle, the compliance between places i and j
+is multiplied by k_i k_j, k = (n'·u)/(n·u). The near field has no preferred direction, but for the
+image behind a corner of the part along the flank, Eq. (W3).
 
 The sign of this error is known, but it is reported as an uncertainty, since it cancels errors of
 other sources at some torques and positions only.
@@ -19,8 +20,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
 from flankload.analysis.error_rules import RemainingError, mean_stiffness
+from flankload.bodies.free_corner import along_strengths
 from flankload.contact.status import SiteCorner, on_corner
 from flankload.elasticity.near_field import mode_values
 
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from flankload.base.arrays import Flags, Floats
+    from flankload.bodies import Body
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
@@ -57,7 +61,7 @@ def tip_error(
         if compliances[z].modes.nodes is None:
             on_body = _lost_displacement(found, pair, compliances[z], z)
             for whole, part in zip((turned, between), on_body, strict=True):
-                whole += part / pair.face_width_mm
+                whole += part / pair.slices.compliance_width_mm
     if not turned.any():
         return {}
     changes = _changes(found, turned, between)
@@ -138,6 +142,22 @@ class _Loads:
         pairs = self.found.pairs
         return pairs.position[self.loaded], pairs.sites[self.loaded]
 
+    @cached_property
+    def slices(self) -> NDArray[np.integer]:
+        """Slice (n,) of each."""
+        return self.found.pairs.slices[self.loaded]
+
+    @property
+    def corner(self) -> NDArray[np.int64]:
+        """Corner (n,) of each, that of its slice."""
+        return self.found.slices.corner[(*self.at, self.slices)]
+
+    @property
+    def line_load(self) -> Floats:
+        """Line load (n,) of the slice of each, N/mm."""
+        load = self.found.slices.force_N / np.diff(self.found.slices.edges_mm)
+        return np.asarray(load[(*self.at, self.slices)])
+
     def column(self, name: str) -> Floats:
         """Column (n,) of the table of pairs."""
         return np.asarray(self.found.pairs.column(name)[self.loaded])
@@ -160,54 +180,89 @@ class _Loads:
 def _lost_displacement(
     found: Sweep, pair: BodyPair, compliance: BodyCompliance, z: int
 ) -> tuple[Floats, Floats]:
-    """Loss of displacement (P, S) at each site by the inclination of all forces, mm² per width, and
-    compliance (P, S, S) between sites by the modes, mm²/N per width.
+    """Loss of displacement (P, S) at each site by the inclination of all forces, mm, and compliance
+    (P, S, S) between sites by the modes, mm/N; in the plane, times the width.
     """
     loads, body = _Loads(found), pair.bodies[z]
-    (low, high), tip = body.mode_range_mm, compliance.modes.tip
-    s, n = loads.column(f"s_{z + 1}"), compliance.smooth.shape[1]
-    turn = loads.mean(_turn_of_force(loads, pair, compliance, z))
-    within = s.clip(low, tip.end_mm if tip else high)
-    modes = loads.mean(mode_values(within, body.mode_range_mm, n, tip=tip))
+    angles = _angles(loads, pair, z)
+    turn = _turn_of_force(loads, pair, compliance, z, angles)
+    values = _modes(loads, pair, compliance, z)
+    modes, turned = loads.mean(values), loads.mean(turn[:, None] * values)
     teeth = pair.pairing.site_teeth[z]
     block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
-    between = np.einsum("pia,ijab,pjb->pij", modes, compliance.smooth[block], modes)
-    width = loads.total(loads.column("cell"))
+    between, less = (
+        np.einsum("pia,ijab,pjb->pij", each, compliance.smooth[block], each)
+        for each in (modes, turned)
+    )
+    lost = ((between - less) @ found.site_force_N[:, :, None])[..., 0]
+    if not pair.slices.plane:
+        return lost + loads.mean(_lost_image(loads, body, compliance, z, angles)), between
+    s, width = loads.column(f"s_{z + 1}"), loads.total(loads.column("cell"))
     near = np.log(np.where(width > 0, width, 1.0))
     for psi, corner in zip(compliance.near.wedge, body.mode_range_mm, strict=True):
         away = np.maximum(loads.mean(np.abs(s - corner)), 0.5 * width)
         near += psi * np.log(np.where(width > 0, 2.0 * away, 1.0))
-    sites = np.arange(teeth.size)
-    whole = between.copy()
-    whole[:, sites, sites] -= compliance.near.kernel * near
-    less = 1.0 - turn[:, :, None] * turn[:, None, :]
-    less *= (width > 0)[:, :, None] & (width > 0)[:, None, :]
-    lost = ((less * whole) @ found.site_force_N[:, :, None])[..., 0]
-    return lost, between
+    lost -= (1.0 - loads.mean(turn) ** 2) * compliance.near.kernel * near * found.site_force_N
+    return np.where(width > 0, lost, 0.0), between
 
 
-def _turn_of_force(loads: _Loads, pair: BodyPair, compliance: BodyCompliance, z: int) -> Floats:
+def _modes(loads: _Loads, pair: BodyPair, compliance: BodyCompliance, z: int) -> Floats:
+    """Modes of a body at each loaded pair (n, p), with those along the axis."""
+    (low, high), tip = pair.bodies[z].mode_range_mm, compliance.modes.tip
+    within = loads.column(f"s_{z + 1}").clip(low, tip.end_mm if tip else high)
+    values = mode_values(within, (low, high), compliance.modes_along, tip=tip)
+    if pair.slices.plane:
+        return values
+    axial = compliance.modes.axial
+    first, last = axial.range_mm
+    xi = (2.0 * pair.slices.z_mm[loads.slices] - first - last) / (last - first)
+    along = legvander(xi, axial.degree)
+    return np.asarray((values[:, :, None] * along[:, None, :]).reshape(values.shape[0], -1))
+
+
+def _lost_image(
+    loads: _Loads, body: Body, compliance: BodyCompliance, z: int, angles: tuple[Floats, Floats]
+) -> Floats:
+    """Loss of displacement (n,), mm, by the image behind a corner that its force turns over.
+
+    Eq. (W3) with the line load of the slice, over the length of the flank; twice, since both the
+    force and the displacement turn.
+    """
+    low, high = compliance.modes.range_mm
+    away = np.maximum(high - loads.column(f"s_{z + 1}"), 0.5 * loads.column("cell"))
+    strength = 2.0 * compliance.near.kernel * along_strengths(body)[1]
+    lost = strength * np.sin(angles[1] - angles[0]) * np.log((high - low) / (2.0 * away))
+    return np.where(loads.corner == SiteCorner.of_body(z), np.abs(lost) * loads.line_load, 0.0)
+
+
+def _turn_of_force(
+    loads: _Loads, pair: BodyPair, compliance: BodyCompliance, z: int, angles: tuple[Floats, Floats]
+) -> Floats:
     """k = (n'·u)/(n·u) of each loaded pair (n,); 1 where the force has the normal of the body."""
-    body, corner = pair.bodies[z], loads.found.site_corner[loads.at]
+    corner = loads.corner
     turned = corner == SiteCorner.of_body(1 - z)
     if compliance.turned is None and compliance.modes.tip is None:
         turned |= corner == SiteCorner.of_body(z)
-    turn = np.ones(turned.size)
-    if body.involute is None or not turned.any():
-        return turn
-    place, normal = (
-        np.stack([loads.column(f"{name}{axis}") for axis in "xy"], axis=1)[turned]
+    if pair.bodies[z].involute is None:
+        return np.ones(turned.size)
+    return np.where(turned, np.sin(angles[1]) / np.sin(angles[0]), 1.0)
+
+
+def _angles(loads: _Loads, pair: BodyPair, z: int) -> tuple[Floats, Floats]:
+    """Angles (n,) of the normal of the flank, and of the force, from the radius of the place."""
+    body = pair.bodies[z]
+    place, force = (
+        np.stack([loads.column(f"{name}{axis}") for axis in "xy"], axis=1)
         for name in ("", "normal_")
     )
     place[:, 0] -= z * pair.pairing.center_distance_mm
     low, high = body.mode_range_mm
-    s = np.minimum(loads.column(f"s_{z + 1}")[turned], high - SHORT * (high - low))
-    pushed = _along_circle((1 - 2 * z) * normal, place)
-    turn[turned] = pushed / _along_circle(body.curve.normal(s), body.curve.point(s))
-    return turn
+    s = np.minimum(loads.column(f"s_{z + 1}"), high - SHORT * (high - low))
+    own = _from_radius(body.curve.normal(s), body.curve.point(s))
+    return own, _from_radius((1 - 2 * z) * force, place)
 
 
-def _along_circle(normal: Floats, place: Floats) -> Floats:
-    """Component of normals (m, 2) along the circle about the origin through places (m, 2)."""
+def _from_radius(normal: Floats, place: Floats) -> Floats:
+    """Angle (m,) of normals (m, 2) from the radius of their places, counter-clockwise."""
     across = place[:, 0] * normal[:, 1] - place[:, 1] * normal[:, 0]
-    return np.asarray(across / np.hypot(*place.T))
+    return np.arctan2(across, np.sum(place * normal, axis=1))

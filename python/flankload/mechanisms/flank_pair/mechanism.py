@@ -89,7 +89,7 @@ class FlankPair:
         """Results, one per torque."""
         unseen: tuple[str, ...] = ()
         if any(estimates):
-            unseen = incomplete_estimate_notes(assembly, compliances, states.found)
+            unseen = incomplete_estimate_notes(assembly, compliances)
         results = []
         for found, estimate, doubt in zip(
             states.found, estimates, states.position_errors, strict=True

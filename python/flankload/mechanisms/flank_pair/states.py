@@ -16,7 +16,6 @@ from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tip_error import tip_error
 from flankload.base.number_text import percent
-from flankload.contact.status import on_corner
 from flankload.contact.sweep import join_sweeps, known_contacts, sweep
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
@@ -290,9 +289,8 @@ def _sources(
     """Sources of errors that follow from a sweep itself: tips, touch, positions, other teeth."""
     sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {}
     compliances = contact.compliances
-    if pair.slices.plane:
-        sources["tip"] = lambda found: tip_error(join_sweeps([found], at), pair, compliances)
-    else:
+    sources["tip"] = lambda found: tip_error(join_sweeps([found], at), pair, compliances)
+    if not pair.slices.plane:
         coarser = replace(contact, mesh=replace(pair, slices=pair.slices.coarser()))
         sources["touch"] = lambda found: _touch_error(join_sweeps([found], at), coarser, pair, at)
     if pair.pitches is None:
@@ -317,16 +315,8 @@ def _touch_error(
     return {}
 
 
-def incomplete_estimate_notes(
-    pair: BodyPair, compliances: Compliances, found: tuple[Sweep, ...]
-) -> tuple[str, ...]:
-    """Notes on contacts and bodies whose error the estimate does not include."""
-    causes = []
-    slices = [part.slices for part in found if not part.slices.plane]
-    if any(on_corner(one.corner_off_ends).any() for one in slices):
-        causes.append("the direction of forces at sharp tip corners")
-    if causes:
-        return (f"not included in the estimated error: {'; '.join(causes)}",)
+def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:
+    """Notes on bodies whose error the estimate does not include."""
     unknown = [
         name
         for name, body, compliance in zip(pair.names, pair.bodies, compliances, strict=True)
