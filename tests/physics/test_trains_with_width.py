@@ -20,6 +20,8 @@ LEVERS = 1e-9
 DIRECTIONS = 2e-5
 #: Reliefs turn them by up to 2 mrad in parts of the mesh (measured 1e-3).
 RELIEVED = 2e-3
+#: Share of the lean in the deflection of a leaning half.
+LEANING = 0.05
 #: Two springs about a loaded state, for an error of a fiftieth of the deflection.
 SPRINGS = 2e-3
 PER = 1 / np.cos(np.radians(HELIX))
@@ -134,6 +136,35 @@ def test_bearings_of_a_double_helical_pinion_carry_its_moment():
     moment = np.hypot(*found.train.moment_Nm[0])
     apart = force * np.diff(found.load_share[0])[0]
     assert moment == pytest.approx(12.5e-3 * apart, rel=0.2)
+
+
+def test_a_shaft_between_the_halves():
+    """Its twist is an error of half 2, its bending adds to the deflection and leans the halves."""
+    width, diameter, modulus, nu = 10.0, 16.0, 206000.0, 0.3
+    rigid, found = halves(), halves(groove_diameter_mm=diameter)
+    base_radius = 30 * PER * np.cos(ALPHA)
+    twist = 500 * TORQUE * width / (modulus / 2 / (1 + nu) * np.pi / 32 * diameter**4)
+    late = 1000 * base_radius * twist
+    np.testing.assert_allclose(rigid.train.axial_motion_um, 0.0, atol=1e-9)
+    np.testing.assert_allclose(found.train.axial_motion_um, late / (2 * SLOPE), rtol=DIRECTIONS)
+    np.testing.assert_allclose(found.load_share, 0.5, rtol=1e-9)
+    one, two = (found.train.mesh(k).slices.force_N for k in (1, 2))
+    np.testing.assert_allclose(one, two, rtol=DIRECTIONS)
+    # a cantilever of half of the groove under the force in the middle of the half
+    half, arm = 0.5 * width, 12.5
+    bending = modulus * np.pi / 64 * diameter**4
+    shear = modulus / 2 / (1 + nu) * np.pi / 4 * diameter**2 * 6 * (1 + nu) / (7 + 6 * nu)
+    beyond = arm - half
+    moved = (half**3 / 3 + half**2 * beyond + half * beyond**2) / bending + half / shear
+    across, slope = (half**2 / 2 + half * beyond) / bending, half / bending
+    force = 500 * TORQUE / base_radius
+    # the axial force at the pitch point bends it in the plane of the axes
+    push, about_y = -force * np.sin(ALPHA), -30 * PER * found.train.axial_force_N[0, 0]
+    energy = moved * force**2 + 2 * across * push * about_y + slope * about_y**2
+    softer = found.transmission_error_um - rigid.transmission_error_um - late / 2
+    # halves that lean have other line loads
+    np.testing.assert_allclose(softer, 1000 * energy / force, rtol=LEANING)
+    assert found.train.mesh_face_load_factor[0] != rigid.train.mesh_face_load_factor[0]
 
 
 @pytest.mark.parametrize("angle", [180.0, 100.0])

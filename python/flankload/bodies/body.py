@@ -38,6 +38,11 @@ class Material:
     young_modulus_MPa: float
     poisson_ratio: float
 
+    @property
+    def shear_modulus_MPa(self) -> float:
+        """G."""
+        return 0.5 * self.young_modulus_MPa / (1.0 + self.poisson_ratio)
+
 
 @dataclass(frozen=True)
 class SectorMesh:

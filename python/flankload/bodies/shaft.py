@@ -19,6 +19,7 @@ from flankload.base.read_only import KeepsReadOnly
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Flags, Floats
+    from flankload.bodies.body import Material
     from flankload.scene import shaft as keys
 
     Extent = tuple[float, float]
@@ -277,6 +278,40 @@ def round_section(
     whole = (1.0 + ratio) ** 2
     shear = 6.0 * (1.0 + nu) * whole / ((7.0 + 6.0 * nu) * whole + (20.0 + 12.0 * nu) * ratio)
     return area, moment, shear * area
+
+
+def end_of_cantilever(
+    material: Material, diameter_mm: float, length_mm: float, beyond_mm: float
+) -> Floats:
+    """(6, 6) Motion of a rigid end of a round cantilever along z by force and moment on it.
+
+    At the distance `beyond_mm` from the end of the cantilever; without twist and axial strain. A
+    cantilever of the length L has the deflections F (L³/(3 E I) + L/(k G A)) + M L²/(2 E I) and the
+    slopes F L²/(2 E I) + M L/(E I).
+    """
+    _, moment, sheared = round_section(np.array(diameter_mm), 0.0, material.poisson_ratio)
+    bending = material.young_modulus_MPa * float(moment)
+    shear = material.shear_modulus_MPa * float(sheared)
+    across = length_mm**2 / (2.0 * bending)
+    own = np.array(
+        [
+            [length_mm**3 / (3.0 * bending) + length_mm / shear, across],
+            [across, length_mm / bending],
+        ]
+    )
+    moved = np.array([[1.0, beyond_mm], [0.0, 1.0]])
+    own = moved @ own @ moved.T
+    found = np.zeros((6, 6))
+    # du_x/dz is the rotation about y, du_y/dz that about -x
+    for first, second, sign in ((0, 4, 1.0), (1, 3, -1.0)):
+        signs = np.array([1.0, sign])
+        found[np.ix_((first, second), (first, second))] = signs[:, np.newaxis] * own * signs
+    return found
+
+
+def twist_of_shaft(material: Material, diameter_mm: float, length_mm: float) -> float:
+    """Twist of a round shaft per torque, rad/(N mm)."""
+    return length_mm / (material.shear_modulus_MPa * np.pi / 32.0 * diameter_mm**4)
 
 
 def _radius_beyond(table: keys.Shaft, section_mm: float, side: int) -> float:

@@ -440,10 +440,11 @@ def _on_supports(contact: AnyContact, resultants: Floats, meshes: Sequence[Sweep
     along the axis moves flanks as a rotation by its negative times their twist.
     """
     springs = contact.springs
+    twists = [contact.axial_shape(b).twist_rad_per_mm for b in range(len(springs))]
     if contact.meshes[0].slices.plane:
         moved = np.einsum("bxcy,pcy->pbx", springs[:, :3, :, :2], resultants[..., :2])
-    else:
-        moved = np.einsum("bxcy,pcy->pbx", springs[:, :3], wrenches_of(contact, meshes))
-    twists = [contact.axial_shape(b).twist_rad_per_mm for b in range(len(springs))]
-    moved[..., 2] *= -np.array(twists)
-    return moved
+        moved[..., 2] *= -np.array(twists)
+        return moved
+    found = np.einsum("bxcy,pcy->pbx", springs, wrenches_of(contact, meshes))
+    rotation = found[..., 5] - np.array(twists) * found[..., 2]
+    return np.concatenate([found[..., :2], rotation[..., np.newaxis]], axis=2)

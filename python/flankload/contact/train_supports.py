@@ -35,6 +35,10 @@ class TrainSupports:
         double helical pinion along its axis.
     arm_mm : float
         Distance of the middle of the groove of double helical gears from that of a half.
+    groove : (6, 6) array or None
+        Motion of a half by the shaft from the middle of the groove, in its own frame.
+    twist_rad_per_Nmm : float
+        Rotation of half 2 relative to half 1, where the torque comes in, per torque.
     """
 
     bearing_N_per_mm: float | None = None
@@ -42,6 +46,8 @@ class TrainSupports:
     axial_N_per_mm: float | None = None
     floating: bool = False
     arm_mm: float = 0.0
+    groove: Floats | None = None
+    twist_rad_per_Nmm: float = 0.0
 
     def carried(self, pairing: TrainPairing) -> range:
         """Both halves of a double helical pinion."""
@@ -69,6 +75,9 @@ class TrainSupports:
         at_groove[3, 1], at_groove[4, 0] = -self.arm_mm, self.arm_mm
         halves = np.stack([at_groove, MIRRORED[:, np.newaxis] * at_groove])
         found[:2, :, :2] = np.einsum("hxa,x,kxb->hakb", halves, own, halves)
+        if self.groove is not None:
+            found[[0, 1], :, [0, 1]] += self.groove
+            found[1, 5, 1, 5] = self.twist_rad_per_Nmm
         return found
 
     def play(self, pairing: TrainPairing) -> Floats:

@@ -45,8 +45,11 @@ MESHES: dict[str, tuple[tuple[str, str], tuple[str, str]]] = {
 }
 #: Keys that other kinds of train have, by the kind.
 WITHOUT_IN_KIND = {
-    "idler": ("floating", "timing_error_um", "groove_width_mm", "axial_stiffness_N_per_um"),
-    "two_pinions": ("groove_width_mm", "axial_stiffness_N_per_um"),
+    "idler": (
+        *("floating", "timing_error_um"),
+        *("groove_width_mm", "groove_diameter_mm", "axial_stiffness_N_per_um"),
+    ),
+    "two_pinions": ("groove_width_mm", "groove_diameter_mm", "axial_stiffness_N_per_um"),
     "double_helical": ("floating", "angle_deg", "center_distance_2_mm"),
 }
 
@@ -112,6 +115,15 @@ class Train(Table, frozen=True, kw_only=True):
         about(
             "distance of both halves of double helical gears, whose bodies are described by the "
             "half of larger z; required for these",
+            "mm",
+            usual=USUAL_SIZE,
+        ),
+    ] = None
+    groove_diameter_mm: Annotated[
+        Length | None,
+        about(
+            "diameter of a double helical body 1 in the groove, where it bends and twists; its "
+            "torque comes in at the half of larger z; absent = both halves are one rigid body",
             "mm",
             usual=USUAL_SIZE,
         ),

@@ -302,6 +302,7 @@ class DoubleHelicalPair(TrainKeys, frozen=True):
     timing_error_um: float = 0.0
     inclination_um_per_mm: float = 0.0
     deviation_um_per_mm: float = 0.0
+    groove_diameter_mm: float | None = None
 
     def _keys(self) -> dict[str, Any]:
         bodies = {"body_1": self.pinion, "body_2": self.wheel}

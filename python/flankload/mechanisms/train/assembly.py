@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.shaft import end_of_cantilever, twist_of_shaft
 from flankload.contact.train_supports import TrainErrors, TrainSupports
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import slices_of_mesh
@@ -87,6 +88,7 @@ def assemble(
     on_coast = ("body_3",) if plane else ("body_3", "body_2")
     slices = _slices(scene, bodies, pairing, opening)
     arm_mm = 0.5 * ((train.groove_width_mm or 0.0) + float(slices[0].width_mm.sum()))
+    radial, tilting, axial = train.stiffnesses.values()
     free = train.is_double_helical and train.axial_stiffness_N_per_um is None
     return TrainAssembly(
         bodies=bodies,
@@ -96,7 +98,11 @@ def assemble(
         ),
         pairing=pairing,
         errors=_errors(train, bodies, pairing, opening * arm_mm),
-        supports=TrainSupports(**train.stiffnesses, floating=train.floating or free, arm_mm=arm_mm),
+        supports=_in_groove(
+            train,
+            bodies[0],
+            TrainSupports(radial, tilting, axial, train.floating or free, arm_mm),
+        ),
         slices=slices,
         discretization=discretization,
         effects=effects,
@@ -104,6 +110,19 @@ def assemble(
         pitches=pitches,
         period_pitches=period,
         notes=_notes(scene, bodies, pairing, pitches, period),
+    )
+
+
+def _in_groove(train: Train, pinion: Body, supports: TrainSupports) -> TrainSupports:
+    """The supports with bending and twist of a double helical pinion in its groove."""
+    diameter, width = train.groove_diameter_mm, train.groove_width_mm
+    if diameter is None or width is None:
+        return supports
+    half, material = 0.5 * width, pinion.material
+    return replace(
+        supports,
+        groove=end_of_cantilever(material, diameter, half, supports.arm_mm - half),
+        twist_rad_per_Nmm=twist_of_shaft(material, diameter, width),
     )
 
 
