@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.error_rules import STRIPS, RemainingError, peak_of_cells, remaining_errors
+from flankload.analysis.error_rules import (
+    ROOT_STRESS,
+    STRIPS,
+    RemainingError,
+    peak_of_cells,
+    remaining_errors,
+)
 from flankload.analysis.estimate import (
     MISSING,
     ON_CORNERS,
@@ -136,7 +142,8 @@ def test_estimate_is_honest() -> None:
     both = []
     for k in SAMPLE:
         found = compared(scenes(k + 1)[k][1], finer=FINER)
-        both += [(found["true"][name], found["estimated"][name]) for name in (*POINTWISE, *OVERALL)]
+        names = (*POINTWISE, *OVERALL, ROOT_STRESS)
+        both += [(found["true"][name], found["estimated"][name]) for name in names]
     true, estimated = np.array(both).T
     assert np.mean(true <= estimated) >= LEAST_COVERED
     assert np.mean(estimated < 10 * true) >= LEAST_NEAR

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.lumped_error import lumped_error
 from flankload.contact.core_call import CORE_COUNTERS
 from flankload.contact.flank_contact import FlankContact, Level
 from flankload.contact.sweep import Sweep, sweep
@@ -117,10 +116,6 @@ def test_lumped_contact_agrees_with_contact_pairs(name: str) -> None:
     ratio = np.ones_like(parts[0])
     np.divide(lumped.site_peak_N_per_mm, pairs.site_peak_N_per_mm, out=ratio, where=carries)
     assert largest(ratio - 1, carries) < pressure
-    left = lumped_error(lumped, built(name, None)[1])
-    assert largest(beside, np.ones_like(even)) < left["transmission_error"]
-    assert largest(parts[0] - parts[1], np.ones_like(carries)) < left["load_share"]
-    assert largest(ratio - 1, carries) < left["peak_pressure"]
     corners = (pairs.site_corner > 0) != (lumped.site_corner > 0)
     # a corner on the very edge of a contact is a matter of a cell
     assert corners.sum() <= 1

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from unittest import mock
 
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss, legvander
 
 from flankload.bodies.body import Body
+from flankload.bodies.involute import sector_breaks
 from flankload.bodies.involute.involute_body import build_involute_body
 from flankload.elasticity.axial_basis import AxialBasis, mode_norms_z
 from flankload.elasticity.compliance import JobOptions, flank_compliance
@@ -58,6 +60,10 @@ REFERENCE = {
         "second neighbour mean": 0.3856,
     },
 }
+#: A helical disc 6 mm wide with a diameter of 225 mm: its compliance under the mean load of all
+#: teeth differs by this from that of four times as many rows at the bore (measured 0.12 %; without
+#: short rows there 1.4 %).
+DISC = 2e-3
 LIMIT = {"mean": 1e-3, "s1": 1e-3, "z1": 1e-3, "z2": 1e-3, "z4": 5e-3}
 NEIGHBOURS = 7e-3
 
@@ -94,6 +100,22 @@ def test_compliance_of_modes_is_that_of_another_program(helix: float) -> None:
     }
     for name, value in REFERENCE[helix].items():
         assert values[name] == pytest.approx(value, rel=LIMIT.get(name, NEIGHBOURS)), name
+
+
+def test_a_thin_disc_is_resolved_where_its_bore_is_fixed() -> None:
+    width, spec = 6.0, gear(teeth=48, tip_diameter_mm=225.0, bore_diameter_mm=50.0)
+
+    def compliance() -> float:
+        body = build_involute_body(spec, "body_1", flank_element_mm=3.0, width_mm=width)
+        prism = Prism(
+            (-0.5 * width, 0.5 * width), _twist(25.0) / 3.0, degree=5, load_degree=1, cut_degree=2
+        )
+        smooth = flank_compliance(body, JobOptions(n_modes=2, prism=prism)).smooth
+        return float(smooth.sum(axis=0)[0, 0])
+
+    found = compliance()
+    with mock.patch.object(sector_breaks, "BORE_ROW", 0.25 * sector_breaks.BORE_ROW):
+        assert found == pytest.approx(compliance(), rel=DISC)
 
 
 @pytest.mark.parametrize("helix", [0.0, 25.0])

@@ -17,7 +17,13 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 import flankload as fl
-from flankload.analysis.error_rules import FACE_LOAD, LINE_FACTOR, LINE_LOAD, PEAK_LINE
+from flankload.analysis.error_rules import (
+    FACE_LOAD,
+    LINE_FACTOR,
+    LINE_LOAD,
+    PEAK_LINE,
+    ROOT_STRESS,
+)
 from flankload.analysis.estimate import OVERALL, POINTWISE
 from flankload.mechanisms import run_once
 from flankload.scene.discretization import (
@@ -37,15 +43,19 @@ if TYPE_CHECKING:
 #: their refinement would take too long.
 FINER, FINER_SPLINE = (8, 4, 4), (8, 2, 2)
 #: In three dimensions: relative element lengths and positions, and keys of [accuracy]; with cells.
-FINER_SPATIAL = (0.6, 2)
+FINER_SPATIAL = (0.6, 4)
 SPATIAL = {"modes": 7, "axial_degree": 10, "load_degree_z": 6, "slices": 28, "estimate": False}
 #: Modes for elements eight times as fine (70 and more along a flank). On elements four times as
 #: fine, pressures at the ends of a flank are up to 9 % too high with 12 modes; with 8 modes, the
 #: error of some quantities is still a third of that at the default.
 MODES = 12
 #: Stored results are computed again if the definition of a quantity changes.
-DEFINED = {"stiffness_secant": "from the state without torque", "line_load": "of slices"}
-QUANTITIES = (*POINTWISE, *OVERALL, LINE_LOAD, PEAK_LINE, FACE_LOAD, LINE_FACTOR)
+DEFINED = {
+    "stiffness_secant": "from the state without torque",
+    "line_load": "of slices",
+    "root_stress": "largest tension",
+}
+QUANTITIES = (*POINTWISE, *OVERALL, ROOT_STRESS, LINE_LOAD, PEAK_LINE, FACE_LOAD, LINE_FACTOR)
 #: CPU seconds after which a solution is abandoned.
 MOST_CPU_S = 90.0
 
@@ -63,6 +73,8 @@ class Truth:
     slice_line_load_N_per_mm : (P, S, J) array
     mean_line_load_N_per_mm : (P, S, J) array
     face_load_factor, line_load_factor : number
+    root_tension_MPa : (2, P) array
+        Largest tension in the roots of both bodies, NaN without fillets.
     """
 
     sites: NDArray[np.int64]
@@ -78,6 +90,7 @@ class Truth:
     mean_line_load_N_per_mm: NDArray[np.float64]
     face_load_factor: NDArray[np.float64]
     line_load_factor: NDArray[np.float64]
+    root_tension_MPa: NDArray[np.float64]
 
 
 def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
@@ -102,7 +115,8 @@ def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
 
 def finer_solution(scene: dict[str, Any], finer: tuple[int, int, int] | None = None) -> Truth:
     """The scene with all discretization parameters refined, by default by those above."""
-    if _is_spatial(scene):
+    scene = with_root_stress(scene)
+    if is_spatial(scene):
         return _finer_spatial(scene)
     splined = scene["body_1"]["kind"] == "spline_shaft"
     elements, cells, positions = finer or (FINER_SPLINE if splined else FINER)
@@ -127,7 +141,7 @@ def finer_solution(scene: dict[str, Any], finer: tuple[int, int, int] | None = N
     return _truth_of(result)
 
 
-def _is_spatial(scene: dict[str, Any]) -> bool:
+def is_spatial(scene: dict[str, Any]) -> bool:
     return scene.get("effects", {}).get("dimension") == 3
 
 
@@ -144,9 +158,27 @@ def _finer_spatial(scene: dict[str, Any]) -> Truth:
 
 
 def _truth_of(result: fl.Result) -> Truth:
-    names = {field.name for field in fields(Truth)} - {"slice_width_mm"}
+    names = {field.name for field in fields(Truth)} - {"slice_width_mm", "root_tension_MPa"}
     arrays = {name: np.asarray(getattr(result, name)) for name in names}
-    return Truth(**arrays, slice_width_mm=_widths(result))
+    return Truth(**arrays, slice_width_mm=_widths(result), root_tension_MPa=root_tension(result))
+
+
+def root_tension(result: fl.Result) -> NDArray[np.float64]:
+    """Largest tension (2, P) in the roots of both bodies; NaN where none is known."""
+    none = np.full(result.position_rad.size, np.nan)
+    return np.array(
+        [
+            none if stress is None else stress.tension.stress_MPa.max(axis=1)
+            for stress in result.root_stress
+        ]
+    )
+
+
+def with_root_stress(scene: dict[str, Any]) -> dict[str, Any]:
+    """The scene with root stress if its bodies have fillets."""
+    if scene["body_1"]["kind"] == "follower":
+        return scene
+    return {**scene, "effects": {**scene.get("effects", {}), "root_stress": True}}
 
 
 def _widths(result: fl.Result) -> NDArray[np.float64]:
@@ -183,12 +215,15 @@ def compared(
     finer: tuple[int, int, int] | None = None,
 ) -> dict[str, Any]:
     """Estimated and true errors of a scene, and the share of the estimate in the run's CPU time."""
-    result = fl.solve(fl.Scene.from_dict(scene))
+    truth = truth or finer_solution(scene, finer)
+    result, rooted = (fl.solve(fl.Scene.from_dict(one)) for one in (scene, with_root_stress(scene)))
     assert result.estimate is not None
+    assert rooted.estimate is not None
     stages = {name: stage["cpu_s"] for name, stage in result.cost["stages"].items()}
+    estimate = {**rooted.estimate, **result.estimate}
     return {
-        "true": true_errors(result, truth or finer_solution(scene, finer)),
-        "estimated": {name: result.estimate.get(name, np.nan) for name in QUANTITIES},
+        "true": true_errors(result, truth) | _of_roots(rooted, truth),
+        "estimated": {name: estimate.get(name, np.nan) for name in QUANTITIES},
         "price": stages["estimate"] / sum(stages.values()),
     }
 
@@ -229,6 +264,14 @@ def true_errors(result: fl.Result, finer: fl.Result | Truth) -> Errors:
         ),
         **(_of_slices(result, finer, at, placed) if result.slices is not None else {}),
     }
+
+
+def _of_roots(result: fl.Result, finer: Truth) -> Errors:
+    """Error of the largest root tension of both bodies at the positions of the result."""
+    at = np.abs(finer.position_rad - result.position_rad[:, None]).argmin(axis=1)
+    one, two = root_tension(result).max(axis=1), finer.root_tension_MPa[:, at].max(axis=1)
+    known = np.isfinite(one) & (two > 0)
+    return {ROOT_STRESS: float(np.abs(one / two - 1)[known].max())} if known.any() else {}
 
 
 def _of_largest(

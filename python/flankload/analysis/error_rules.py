@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 COAST = "coast_force"
 #: Error of the largest pressure, beside that of the peak pressures at all positions.
 PEAK_PRESSURE, LARGEST_PRESSURE = "peak_pressure", "largest_pressure"
+#: Error of the largest root tension, if the scene asks for root stress.
+ROOT_STRESS = "root_stress"
 #: Additional quantities in three dimensions.
 LINE_LOAD, PEAK_LINE = "line_load", "peak_line_load"
 FACE_LOAD, LINE_FACTOR = "face_load_factor", "line_load_factor"
@@ -86,15 +88,11 @@ NODES = Rule(0.5, 0.5, 0.5, 0.5)
 #: error at any width, and its two halves together have at most half of that error: the error of
 #: line loads and pressures is at most twice the change.
 SLICES = Rule(0.5, 0.5, 1.5, 0.5)
-#: Without the two highest modes along the profile or degrees along the axis. Line loads and
-#: pressures at an end converge with the second power of these numbers, so that from 3 to 5 degrees
-#: a half of the change remains; signs vary, and changes of two sources at one place may cancel.
-SERIES = Rule(0.0, 0.75, 0.75, 0.75, shares=2.0)
-#: Rotations and load shares converge like a geometric series, with the ratio of the last two steps;
-#: terms alternate in size, so that the next ratio may be four times as large.
-NEXT_RATIO = 4.0
-#: Ending of the names of sweeps with two steps of a source.
-BEFORE = " before"
+#: Without the two highest modes along the profile or degrees along the axis. Rotations and load
+#: shares converge like a geometric series, of which a quarter of the last steps remains. Line loads
+#: and pressures at an end converge with the second power of these numbers, so that from 3 to 5
+#: degrees a half of the change remains; signs vary, and changes of two sources may cancel.
+SERIES = Rule(0.0, 0.25, 0.75, 0.25, shares=2.0)
 #: Doubt of single line loads, relative to that of pressures and of the largest line load: where a
 #: contact ends within a slice, they change with the first power of the slices' width.
 LINE_LOADS = 2.0
@@ -151,8 +149,6 @@ def remaining_errors(
     base: Sweep,
     other: Sweep,
     weights: Floats,
-    *,
-    before: Sweep | None = None,
 ) -> dict[str, RemainingError]:
     """Remaining errors of one source in the quantities of a sweep.
 
@@ -165,24 +161,18 @@ def remaining_errors(
         Sweeps without and with the change by the source.
     weights : (P,) array
         Parts of the positions in the mean load over the face width.
-    before : Sweep, optional
-        With twice the change: its steps show how fast rotations and shares converge.
     """
     unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
-    turning, sharing = rule, replace(rule, doubt=rule.shares * rule.doubt)
-    if before is not None:
-        turning = _of_series(rule, change, before.rotation_rad - other.rotation_rad)
-        shares = [_shares(part) for part in (base, other, before)]
-        sharing = _of_series(rule, rule.shares * (shares[1] - shares[0]), shares[2] - shares[1])
+    sharing = replace(rule, doubt=rule.shares * rule.doubt)
     errors = {
-        "transmission_error": _at_each(turning, change, np.abs(rotation).max()),
-        "load_share": _at_each(sharing, _shares(other) - _shares(base), 1.0),
+        "transmission_error": _at_each(rule, change, np.abs(rotation).max()),
+        "load_share": _at_each(sharing, load_shares(other) - load_shares(base), 1.0),
         "peak_pressure": _at_each(
             _of_pressures(rule), _peak_change(found, base, other), _largest_peak(found)
         ),
-        "transmission_error_mean": _of_mean(turning, change, rotation),
-        "transmission_error_peak_to_peak": _of_peak_to_peak(turning, change, rotation),
+        "transmission_error_mean": _of_mean(rule, change, rotation),
+        "transmission_error_peak_to_peak": _of_peak_to_peak(rule, change, rotation),
     }
     for name, softness, largest in (
         ("stiffness_secant", [s.rotation_rad - unloaded for s in (found, base, other)], np.inf),
@@ -193,7 +183,7 @@ def remaining_errors(
         one, two, three = stiffness
         if one is not None and two is not None and three is not None:
             change = np.where(np.abs(three - two) <= largest * one, three - two, 0.0)
-            errors[name] = _of_mean(turning, change, one)
+            errors[name] = _of_mean(rule, change, one)
     if found.coast is not None:
         change = _coast_shares(other) - _coast_shares(base)
         errors[COAST] = _at_each(sharing, change, 1.0)
@@ -238,7 +228,7 @@ def _of_line_loads(
     ):
         one, two, three = (loads_of(part) for part in (found, base, other))
         each = _at_each(_of_pressures(rule), three - two, one.max())
-        errors[name] = _of_largest(each, one / one.max())
+        errors[name] = of_largest(each, one / one.max())
     return errors
 
 
@@ -251,13 +241,6 @@ def _on_slices_of(other: Sweep, part: Sweep) -> Sweep:
     force = np.add.reduceat(slices.force_N, first, axis=2)
     corner = np.maximum.reduceat(slices.corner, first, axis=2)
     return replace(part, slices=replace(slices, edges_mm=edges, force_N=force, corner=corner))
-
-
-def _of_series(rule: Rule, change: Floats, before: Floats) -> Rule:
-    """The rule of a geometric series: its ratio is that of the largest changes of two steps."""
-    last, first = (float(np.abs(values).max()) for values in (change, before))
-    ratio = NEXT_RATIO * last / first if first > 0 else np.inf
-    return replace(rule, doubt=min(rule.doubt, ratio), doubt_overall=min(rule.doubt_overall, ratio))
 
 
 def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:
@@ -289,7 +272,8 @@ def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> RemainingE
     return RemainingError.relative(error, EXTREMES * rule.doubt * float(of_extremes), whole)
 
 
-def _shares(part: Sweep) -> Floats:
+def load_shares(part: Sweep) -> Floats:
+    """Parts (P, S) of the forces on the working flanks."""
     return part.site_force_N / _whole_force(part)
 
 
@@ -317,18 +301,18 @@ def _largest_peak(found: Sweep) -> float:
 def at_largest_peak(peaks: RemainingError, found: Sweep) -> RemainingError:
     """Error of the largest pressure off sharp corners, from those of all peaks (P, S)."""
     smooth = np.where(_smooth(found), found.site_peak_N_per_mm, 0.0)
-    return _of_largest(peaks, smooth / max(float(smooth.max()), np.finfo(float).tiny))
+    return of_largest(peaks, smooth / max(float(smooth.max()), np.finfo(float).tiny))
 
 
-def _of_largest(each: RemainingError, values: Floats) -> RemainingError:
+def of_largest(each: RemainingError, values: Floats) -> RemainingError:
     """Error of the largest of some values, relative to it, from their errors.
 
     Another value is the largest if its error exceeds its distance to the largest one.
     """
     error, doubt = (np.broadcast_to(part, values.shape) for part in each)
     most = float((values - 1.0 + np.abs(error) + doubt).max())
-    of_largest = float(error.flat[values.argmax()])
-    return RemainingError(of_largest, most - abs(of_largest))
+    there = float(error.flat[values.argmax()])
+    return RemainingError(there, most - abs(there))
 
 
 def any_smooth_peak(found: Sweep) -> bool:
@@ -356,7 +340,7 @@ def peak_of_modes(
     part = peak / largest if largest > 0 else np.zeros_like(peak)
     # the peak of a line contact is proportional to the root of its force: for a pair that has just
     # begun to carry load, the true peak may be a multiple
-    share = np.maximum(_shares(found), np.finfo(float).tiny)
+    share = np.maximum(load_shares(found), np.finfo(float).tiny)
     begun = np.sqrt(1.0 + (np.abs(shares.error) + shares.doubt) / share) - 1.0
     return RemainingError(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * error, begun) * part)
 

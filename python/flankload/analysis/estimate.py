@@ -19,8 +19,7 @@ period
 tip
     Changes by the turned force of a contact on a tip (`tip_error`).
 lumped
-    Lumped contact has no cells: those of a few positions in slices, else measurements
-    (`lumped_error`).
+    Lumped contact has no cells: those of the deciding positions (`lumped_error`).
 
 Each source has an error with its sign, and a doubt. Modes make a body too soft or too stiff,
 elements make it too stiff, positions err either way. Errors are added with their signs and may
@@ -41,7 +40,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.error_rules import (
-    BEFORE,
     COAST,
     COVERED,
     ELEMENTS,
@@ -53,6 +51,7 @@ from flankload.analysis.error_rules import (
     NODES,
     PEAK_LINE,
     PEAK_PRESSURE,
+    ROOT_STRESS,
     SERIES,
     SLICES,
     STRIPS,
@@ -64,6 +63,7 @@ from flankload.analysis.error_rules import (
     remaining_errors,
 )
 from flankload.analysis.period_error import HARMONICS_KEY
+from flankload.analysis.root_error import add_root_errors
 from flankload.contact.status import on_corner
 from flankload.contact.sweep import join_sweeps
 from flankload.errors import ContactError
@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from flankload.analysis.adaptive_positions import PositionErrors
+    from flankload.analysis.root_error import RootTension
     from flankload.base.arrays import Floats, Numbers
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
@@ -101,7 +102,7 @@ ON_TIPS = "contact on a rounding or a chamfer, where the pressure converges slow
 #: Reason for quantities without the error of a source.
 MISSING = "states of the comparison do not converge: {}"
 #: Largest number of sweeps of an estimate.
-MOST_SWEEPS = 4
+MOST_SWEEPS = 3
 
 
 def n_sweeps(*, lumped: bool, elements: bool, variants: int = 0) -> int:
@@ -139,7 +140,7 @@ class Estimate:
         """Estimate from the errors of each source, by quantity."""
         by_quantity = {
             quantity: [parts[quantity] for parts in errors.values() if quantity in parts]
-            for quantity in (*POINTWISE, *OVERALL, COAST, *OF_WIDTH)
+            for quantity in (*POINTWISE, *OVERALL, COAST, ROOT_STRESS, *OF_WIDTH)
         }
         return cls(
             {
@@ -195,6 +196,7 @@ def estimate_errors(
     variants: Mapping[str, Mapping[str, object]],
     at: Numbers | None = None,
     lumped: Callable[[int], dict[str, RemainingError]] | None = None,
+    roots: Callable[[Sweep], RootTension | None] = lambda _: None,
     sources: Mapping[str, Callable[[Sweep], dict[str, RemainingError]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
     """Estimate the errors of a sweep.
@@ -214,11 +216,14 @@ def estimate_errors(
         Parts of the positions `at` in means over the period.
     variants : mapping
         Arguments of `run` for the reduced sweeps, by the source whose error their change shows;
-        always "modes". Those of a source with `BEFORE` have twice the change.
+        always "modes".
     at : (n,) array or None
         Indices of the positions at which sweeps are repeated; None for all.
     lumped : callable or None
-        Errors of the lumped contacts of a torque, by its index; None if contacts have cells.
+        Errors of the lumped contacts of a torque, by its index, empty if they are unknown; None if
+        contacts have cells.
+    roots : callable
+        Tension in the roots at the positions `at`; None without root stress.
     sources : mapping
         Further sources: errors that follow from the sweep itself, by quantity; empty if the source
         has no effect.
@@ -236,7 +241,7 @@ def estimate_errors(
             others[source] = run(
                 **{"compliances": compliances, **arguments}, grid=cells, part=number
             )
-    missing = ", ".join(source for source in variants if source not in others)
+    unknown = [source for source in variants if source not in others]
     estimates = []
     for t, (whole, part) in enumerate(zip(found, some, strict=True)):
         errors: dict[str, dict[str, RemainingError]] = {}
@@ -244,10 +249,14 @@ def estimate_errors(
             errors |= _of_cells(part, coarse[t], weights)
         else:
             errors["lumped"] = lumped(t)
+        missing = ", ".join([*unknown, *(source for source in errors if not errors[source])])
         each = {source: other[t] for source, other in others.items()}
         slowly = _converges_slowly(whole, compliances)
         errors |= _of_compliances(part, coarse[t], each, compliances, weights, slowly=slowly)
         errors |= {source: own for source, of in sources.items() if (own := of(whole))}
+        tension = roots(part)
+        if tension is not None:
+            add_root_errors(errors, part, tension)
         if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
             for parts in errors.values():
                 parts.pop(PEAK_PRESSURE, None)
@@ -312,10 +321,8 @@ def _of_compliances(
             coarse,
             other,
             weights,
-            before=None if slowly else others.get(source + BEFORE),
         )
         for source, other in others.items()
-        if not source.endswith(BEFORE)
     }
     if not nodal and coarse.slices.plane:
         errors["modes"]["peak_pressure"] = peak_of_modes(

@@ -90,6 +90,7 @@ def build_body(
             flank_element_mm=flank_element_mm,
             flank_nodes_mm=flank_nodes_mm,
             regions=() if ends is None else tuple(name for name, _ in spec.regions_of(ends)),
+            width_mm=None if ends is None else ends[1] - ends[0],
         )
     return body if ends is None else _along_axis(body, spec, key, folder, ends)
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Cells, Floats, Numbers
     from flankload.bodies.body import Material
+    from flankload.bodies.root_fillet import RootFillets
 
 #: Elements times loads in a block, whose arrays fit the cache.
 BLOCK = 1280
@@ -71,7 +72,7 @@ class _Element:
 
 
 def compliance_error(
-    nodes: Floats, cells: Cells, material: Material, plane: str, moved: Floats
+    nodes: Floats, cells: Cells, material: Material, plane: str, moved: Floats, smoothed: Floats
 ) -> Floats:
     """Estimated error (p, p) of the compliance between p loads, positive semidefinite.
 
@@ -81,6 +82,8 @@ def compliance_error(
         As in `finite_elements.stiffness`, of quadratic elements.
     moved : (2N, p) array
         Displacements under the loads, per mm of width; degree of freedom 2*node + component.
+    smoothed : (N, 3 p) array
+        Their `recovered_strains`.
     """
     lame_lambda, lame_mu = lame_parameters(material, plane)
     elastic = np.array(
@@ -94,7 +97,6 @@ def compliance_error(
     root = np.linalg.cholesky(np.linalg.inv(elastic)).T
     p = moved.shape[1]
     displaced = moved.reshape(len(nodes), 2 * p)
-    smoothed = recovered_strains(nodes, cells, moved)
     fe_error = np.zeros((p, p))
     for kind, connectivity in cells:
         element = _element(kind)
@@ -108,6 +110,19 @@ def compliance_error(
             flat = change.reshape(-1, p)
             fe_error += flat.T @ flat
     return fe_error
+
+
+def fillet_difference(fillets: RootFillets, moved: Floats, smoothed: Floats) -> float:
+    """Relative difference between recovered and own strain where a fillet has the largest one.
+
+    Under the first of the loads of the first flank; arguments as of `compliance_error`.
+    """
+    on = fillets.on_elements
+    own = fillets.columns(0, len(moved)).T @ moved[:, 0]
+    strain = smoothed.reshape(len(smoothed), 3, -1)[on.nodes, :, 0]
+    (x, y), (xx, yy, xy) = on.tangents.T, (on.shapes.T @ strain).T
+    most = np.abs(own).argmax()
+    return float(abs((x**2 * xx + y**2 * yy + x * y * xy)[most] / own[most] - 1.0))
 
 
 def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
 
+    Errors = tuple[Floats, float]
+
 
 @dataclass(frozen=True, eq=False)
 class JobCost:
@@ -47,20 +49,20 @@ class JobLog:
     account : Account, optional
         Counters and workspace; by default a new one.
     estimate : callable, optional
-        Estimated error (p, p) of the displacements (2N, p) of all nodes under the unit loads of a
-        flank.
+        Estimated errors of the displacements (2N, p) of all nodes under the unit loads of a flank:
+        of the compliance (p, p), and a relative one of the root stress.
 
     Attributes
     ----------
-    errors : list of (p, p) arrays
+    errors : list of ((p, p) array, float)
         Estimated errors, one per solution.
     """
 
     def __init__(
-        self, account: Account | None = None, estimate: Callable[[Floats], Floats] | None = None
+        self, account: Account | None = None, estimate: Callable[[Floats], Errors] | None = None
     ) -> None:
         self.account = Account() if account is None else account
-        self.errors: list[Floats] = []
+        self.errors: list[Errors] = []
         self._estimate = estimate
         self._seconds: dict[str, float] = {}
         self._wall, self._clock = perf_counter(), process_time()

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
-from flankload.analysis.error_rules import BEFORE
 from flankload.cost import Account, held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
@@ -243,19 +242,14 @@ def variants_of(
     `coarser`: arguments of a sweep with half as many slices, where bodies have a width.
     """
     found: dict[str, Mapping[str, object]] = {
-        source: {"compliances": tuple(each.fewer_modes(fewer) for each in compliances)}
-        for source, fewer in (("modes", REDUCED_MODES), (f"modes{BEFORE}", 2 * REDUCED_MODES))
+        "modes": {"compliances": tuple(each.fewer_modes(REDUCED_MODES) for each in compliances)}
     }
     if any(each.fe_error is not None for each in compliances):
         found["elements"] = {"compliances": tuple(each.with_fe_error(1.0) for each in compliances)}
     if slices.plane:
         return found
-
-    def fewer(degrees: int) -> dict[str, object]:
-        return {"compliances": tuple(each.fewer_axial_modes(degrees) for each in compliances)}
-
-    found["axial"], found["slices"] = fewer(REDUCED_DEGREES), coarser()
-    return found | {f"axial{BEFORE}": fewer(2 * REDUCED_DEGREES)}
+    fewer = tuple(each.fewer_axial_modes(REDUCED_DEGREES) for each in compliances)
+    return found | {"axial": {"compliances": fewer}, "slices": coarser()}
 
 
 def account_errors_of_elements(

@@ -162,7 +162,7 @@ def test_counters_at_the_top_are_those_of_all_stages() -> None:
 def test_the_estimate_has_an_account_of_its_own_and_the_sweep_counts_its_tangents() -> None:
     with_both = solved(**FEW).cost
     stages = with_both["stages"]
-    assert [stages[name]["counters"]["states"] for name in ("sweep", "estimate")] == [4, 16]
+    assert [stages[name]["counters"]["states"] for name in ("sweep", "estimate")] == [4, 12]
     plain = solved(accuracy__tangents=False, **FEW).cost
     for name in ("influence_columns", "pivots", "contact_passes"):
         assert plain["of_this_torque"][name] == with_both["of_this_torque"][name]
@@ -329,7 +329,7 @@ def test_table_of_costs_has_predicted_and_spent_side_by_side() -> None:
     table = dict(row.strip().rsplit(maxsplit=2)[::2] for row in rows)
     assert table["fe factorisations"] == "1"
     predicted = {tuple(row.strip().rsplit(maxsplit=2)[:2]) for row in rows if "CPU" not in row}
-    assert {("states", "4"), ("states", "16"), ("unit loads normal", "5")} <= predicted
+    assert {("states", "4"), ("states", "12"), ("unit loads normal", "5")} <= predicted
     assert ("pivots", "-") in predicted
     assert "unit loads tangential" not in table
 

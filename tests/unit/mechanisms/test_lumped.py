@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.lumped_error import LUMPED
+from flankload.analysis.estimate import POINTWISE
 from tests.support.gear_scenes import changed, refusal
 from tests.support.paths import SCENES
 from tests.support.tolerances import ROUND_OFF
@@ -86,8 +86,8 @@ def test_the_estimate_contains_the_error_of_the_level(lumped: fl.Result, pairs: 
     assert lumped.estimate is not None
     sources = lumped.estimate["by_source"]
     assert set(sources) == {"modes", "elements", "tip", "lumped", "positions"}  # no strips
-    assert set(sources["lumped"]) >= set(LUMPED)
-    for quantity in LUMPED:
+    assert set(sources["lumped"]) >= set(POINTWISE)
+    for quantity in POINTWISE:
         parts = [errors[quantity] for errors in sources.values() if quantity in errors]
         assert sources["lumped"][quantity] <= lumped.estimate[quantity] <= sum(parts)
     beside = np.abs(lumped.rotation_rad / pairs.rotation_rad - 1).max()

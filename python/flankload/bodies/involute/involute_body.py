@@ -30,11 +30,13 @@ def build_involute_body(
     flank_element_mm: float,
     flank_nodes_mm: float | None = None,
     regions: tuple[str, ...] = (),
+    width_mm: float | None = None,
 ) -> Body:
     """Build a body with involute teeth, held at its bore or at the outside of its rim.
 
     The reference radius of a spline is its pitch radius, that of other bodies the base radius.
-    Parameters as for `build_body`; `regions`: those behind the rim, from the teeth on.
+    Parameters as for `build_body`; `regions`: those behind the rim, from the teeth on; `width_mm`:
+    of the body, if it has one.
 
     Raises
     ------
@@ -48,7 +50,8 @@ def build_involute_body(
     if isinstance(spec, Ring | SplineHub):
         profile, rim_radius, mesh = _inward(spec, key, lengths, regions)
     else:
-        profile, rim_radius, mesh = _outward(spec, key, lengths, regions)
+        fixed_over = None if spec.has_free_bore else width_mm
+        profile, rim_radius, mesh = _outward(spec, key, lengths, regions, fixed_over)
     if mesh is not None and spec.has_free_bore:
         mesh = with_free_bore(mesh)
     involute = profile.involute
@@ -75,8 +78,9 @@ def _outward(
     key: str,
     lengths: tuple[float, float | None],
     regions: tuple[str, ...],
+    width_mm: float | None,
 ) -> tuple[ToothProfile, float, SectorMesh | None]:
-    """Profile, bore radius and mesh of a body with external teeth."""
+    """Profile, bore radius and mesh of a body with external teeth, fixed over `width_mm`."""
     from flankload.scene.gear import Gear
     from flankload.scene.spline import SplineShaft
 
@@ -87,13 +91,16 @@ def _outward(
         expected = f"less than the root diameter {2 * profile.involute.root_radius_mm:.4f}"
         refuse(f"{key}.bore_diameter_mm", expected, f"{spec.bore_diameter_mm:g}")
     if not isinstance(spec, Gear):
-        mesh = None if spec.rigid else sector_mesh(profile, bore_radius, lengths, key)
+        mesh = None
+        if not spec.rigid:
+            mesh = sector_mesh(profile, bore_radius, lengths, key, width_mm=width_mm)
         return profile, bore_radius, mesh
     radii = spec.region_radii(profile.involute.root_radius_mm, key)
     if spec.rigid:
         return profile, bore_radius, None
     if not regions:
-        return profile, bore_radius, sector_mesh(profile, bore_radius, lengths, key)
+        mesh = sector_mesh(profile, bore_radius, lengths, key, width_mm=width_mm)
+        return profile, bore_radius, mesh
     below = [(name, radii[name]) for name in regions]
     inner_key = spec.region_diameter_key(regions[0])
     rim = sector_mesh(profile, radii[regions[0]], lengths, key, inner_key=inner_key)

@@ -38,9 +38,10 @@ def sector_mesh(
     lengths_mm: tuple[float, float | None],
     key: str,
     inner_key: str = "bore_diameter_mm",
+    width_mm: float | None = None,
 ) -> SectorMesh:
-    """Mesh one sector of a gear, checked, with its tooth on the +x axis; lengths: `tooth_mesh`."""
-    mesh = tooth_mesh(profile, bore_radius_mm, lengths_mm)
+    """Mesh one sector of a gear, checked, with its tooth on the +x axis; others: `tooth_mesh`."""
+    mesh = tooth_mesh(profile, bore_radius_mm, lengths_mm, width_mm)
     place, found = inverted_element(mesh)
     if found:
         in_rim = place < profile.involute.root_radius_mm
@@ -67,14 +68,17 @@ def inverted_element(mesh: SectorMesh) -> tuple[float, str]:
 
 
 def tooth_mesh(
-    profile: ToothForm, bore_radius: float, lengths_mm: tuple[float, float | None]
+    profile: ToothForm,
+    bore_radius: float,
+    lengths_mm: tuple[float, float | None],
+    width_mm: float | None = None,
 ) -> SectorMesh:
     """Mesh of an external tooth on the +x axis; its elements are not checked.
 
     `lengths_mm`: largest length of an element along the flank, and largest distance of the flank's
-    nodes, if nodal forces require finer elements there.
+    nodes, if nodal forces require finer elements there. `width_mm`: as of `sector_breaks`.
     """
-    breaks = sector_breaks(profile, bore_radius, *lengths_mm)
+    breaks = sector_breaks(profile, bore_radius, *lengths_mm, width_mm=width_mm)
     curve = profile.curve
     mirror = np.array([1.0, -1.0])
     s_flank = with_middles(breaks.flank)

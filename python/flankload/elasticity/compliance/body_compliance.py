@@ -210,14 +210,16 @@ class BodyCompliance:
         if self.modes.nodes is not None:
             half, parts = every_second_node(self.modes.nodes)
             halved = self.with_blocks(lambda table: parts.T @ table @ parts)
-            return replace(halved, modes=replace(self.modes, nodes=half))
+            root = self._root_under(lambda table: table @ parts)
+            return replace(halved, modes=replace(self.modes, nodes=half), root=root)
         n, each, tip = self.smooth.shape[1], self.modes_per_place, self.modes.tip
         flank = each * self.flank_modes
         kept = flank - each * (2 * fewer if self.modes.closed else fewer)
         if kept < 1:
             return self
         own = 0 if tip is None else each * with_tip(kept // each) - kept
-        parts = np.eye(n)[np.r_[:kept, flank : flank + own]]
+        places = np.r_[:kept, flank : flank + own]
+        parts = np.eye(n)[places]
         if tip is not None:
             along_axis = np.diag(1.0 / (2.0 * np.arange(each) + 1.0))
             products = np.kron(mode_products(self.modes.range_mm, n // each, tip), along_axis)
@@ -233,8 +235,19 @@ class BodyCompliance:
         return replace(
             self.with_blocks(projected),
             expansion=self.expansion.with_shifts(lambda modes: modes @ parts.T),
+            root=self._root_under(lambda table: table[..., places]),
             fe_error=None,
         )
+
+    def _root_under(self, change: Blocks) -> RootResponse | None:
+        """Root stress under other loads: `change` maps tables of normal or tangential ones."""
+        n, root = self.smooth.shape[1], self.root
+
+        def changed(table: Floats) -> Floats:
+            kinds = [table[..., k : k + n] for k in range(0, table.shape[-1], n)]
+            return np.concatenate([change(kind) for kind in kinds], axis=-1)
+
+        return None if root is None else root.with_each(changed)
 
     def fewer_axial_modes(self, fewer: int = 2) -> BodyCompliance:
         """In three dimensions, the compliance without the modes of the highest degrees in z."""
@@ -246,6 +259,7 @@ class BodyCompliance:
             self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
             expansion=self.expansion.with_shifts(lambda modes: modes[:, kept]),
+            root=self._root_under(lambda table: table[..., kept]),
             fe_error=None,
         )
 

@@ -251,12 +251,16 @@ class RootResponse:
     coast : array or None
         As `response`, under loads on the coast flank in the sector of tooth 0, which is not that of
         an internal tooth.
+    difference : float
+        Relative difference between recovered and own strain of the elements where it is largest
+        (`fe_error`); 0 without an estimate.
     """
 
     points: RootPoints
     response: Floats
     range_mm: tuple[float, float] | None = None
     coast: Floats | None = None
+    difference: float = 0.0
 
     def with_each(self, change: Callable[[Floats], Floats]) -> RootResponse:
         """The responses of both flanks after the same change."""

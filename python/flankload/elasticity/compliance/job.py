@@ -24,7 +24,11 @@ from flankload.elasticity.compliance.tip_force import (
     turned_coefficients,
     turned_columns,
 )
-from flankload.elasticity.fe_error import compliance_error
+from flankload.elasticity.fe_error import (
+    compliance_error,
+    fillet_difference,
+    recovered_strains,
+)
 from flankload.elasticity.finite_elements import centrifugal_load
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.plane_extent import PlaneExtent
@@ -133,11 +137,12 @@ def flank_compliance(
     moved = {name: response.by_force[:, k] for k, name in enumerate(load_vectors)}
     expansion = _expansion(job, body_load, moved)
     job.log.end_step("near field")
-    miss = _fe_error(job, options, response)
+    miss, of_roots = _fe_errors(job, options, response)
     if miss is not None and options.extent.regions:
         miss = miss + _degree_error(job, options, found, sectors)
+    root = None if found.root is None else replace(found.root, difference=of_roots)
     log = replace(found.job, seconds=job.log.seconds())
-    return replace(found, expansion=expansion, fe_error=miss, job=log)
+    return replace(found, expansion=expansion, fe_error=miss, root=root, job=log)
 
 
 def _prepared(
@@ -151,11 +156,12 @@ def _prepared(
     assert mesh is not None
     columns = loads.count * (1 + options.friction)
 
-    def estimate(moved: Floats) -> Floats:
-        # without loads on coast flanks and a rim
+    def estimate(moved: Floats) -> tuple[Floats, float]:
+        moved, fillets = moved[:, :columns], options.fillets  # without coast flanks and a rim
+        smoothed = recovered_strains(mesh.nodes, mesh.cells, moved)
         return compliance_error(
-            mesh.nodes, mesh.cells, body.material, options.plane, moved[:, :columns]
-        )
+            mesh.nodes, mesh.cells, body.material, options.plane, moved, smoothed
+        ), 0.0 if fillets is None else fillet_difference(fillets, moved, smoothed)
 
     estimated = options.estimate and not options.nodal and options.extent.recovers_stress
     log = JobLog(account, estimate=estimate if estimated else None)
@@ -242,24 +248,24 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
     )
 
 
-def _fe_error(job: Job, options: JobOptions, found: Response) -> Floats | None:
-    """Estimated error of the elements as `BodyCompliance.fe_error`; None without an estimate.
+def _fe_errors(job: Job, options: JobOptions, found: Response) -> tuple[Floats | None, float]:
+    """`BodyCompliance.fe_error` and `RootResponse.difference`; None and 0 without an estimate.
 
-    For a prism, the error comes from a job for one tooth of its section, in plane strain.
+    For a prism, they come from a job for one tooth of its section, in plane strain.
     """
     log, loads, q = job.log, job.loads, found.response.shape[2]
     if log.errors:
-        errors = np.stack(log.errors)[:, :q, :q]
-        return loads.between(errors[:, : loads.count])
+        errors = np.stack([error for error, _ in log.errors])[:, :q, :q]
+        return loads.between(errors[:, : loads.count]), log.errors[0][1]
     if not (options.estimate and isinstance(loads, ModeLoads)):
-        return None
-    in_plane = replace(options, prism=None, coast_flanks=False, fillets=None)
-    section = flank_compliance(job.body, in_plane, sectors=1).fe_error
-    assert section is not None
-    log.account.count(fe_factorisations=1, fe_solutions=section.shape[2])
-    found_error = loads.from_section(section)
+        return None, 0.0
+    in_plane = replace(options, prism=None, coast_flanks=False)
+    section = flank_compliance(job.body, in_plane, sectors=1)
+    assert section.fe_error is not None
+    log.account.count(fe_factorisations=1, fe_solutions=section.fe_error.shape[2])
+    found_error = loads.from_section(section.fe_error)
     log.end_step("estimate")
-    return found_error
+    return found_error, 0.0 if section.root is None else section.root.difference
 
 
 def _degree_error(

@@ -74,7 +74,7 @@ def result_of(
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / pair.slices.compliance_width_mm,
         stiffness_tangent_Nm_per_rad=stiffness_Nm_per_rad(found.tangent_rad_per_Nmm),
         status=found.status,
-        pair_tables=_pair_tables(pair, found.pairs),
+        pair_tables=pair_tables(pair, found.pairs),
         corner_contact=on_corner(found.site_corner[:, carries]),
         pitch_rad=pair.pairing.pitch_rad,
         period_rad=pair.period_rad,
@@ -154,11 +154,11 @@ def _coast(pair: BodyPair, found: CoastSweep, carries: NDArray[np.int64]) -> Coa
         force_N=found.site_force_N[:, carries],
         peak_pressure_MPa=found.site_peak_N_per_mm[:, carries] / pair.slices.compliance_width_mm,
         corner_contact=on_corner(found.site_corner[:, carries]),
-        pair_tables=_pair_tables(pair, found.pairs),
+        pair_tables=pair_tables(pair, found.pairs),
     )
 
 
-def _pair_tables(pair: BodyPair, pairs: PackedPairs) -> PairTables:
+def pair_tables(pair: BodyPair, pairs: PackedPairs) -> PairTables:
     """Tables of the contact pairs at all positions, made on demand."""
     return PairTables(len(pairs.count), partial(_pair_table, pair, pairs))
 

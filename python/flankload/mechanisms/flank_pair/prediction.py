@@ -44,7 +44,7 @@ FURTHER = (
 #: Unit forces on a rim for each polynomial over the width, counted as normal loads.
 RIM_LOADS = 2
 #: Further sweeps of the estimate of three-dimensional bodies: degrees along the axis, slices.
-SLICE_VARIANTS = 3
+SLICE_VARIANTS = 2
 
 
 def predicted_work(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:

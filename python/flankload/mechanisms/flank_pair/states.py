@@ -11,8 +11,9 @@ from flankload.analysis.adaptive_positions import Window, sweep_adaptively
 from flankload.analysis.deciding_positions import deciding_positions
 from flankload.analysis.error_rules import of_touch
 from flankload.analysis.estimate import estimate_errors
-from flankload.analysis.lumped_error import FEW_CELLS, error_beside_cells, measured_error
+from flankload.analysis.lumped_error import error_beside_cells, spread_error
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
+from flankload.analysis.root_error import root_tension
 from flankload.analysis.sampling_error import of_positions
 from flankload.analysis.tip_error import tip_error
 from flankload.base.number_text import percent
@@ -24,6 +25,7 @@ from flankload.mechanisms.elements import (
     variants_of,
 )
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
+from flankload.mechanisms.flank_pair.from_sweep import pair_tables
 from flankload.mechanisms.flank_pair.premises import blame_load
 from flankload.mechanisms.flank_pair.stages import compliances_of, contact_of
 from flankload.mechanisms.scene_bodies import PAIR
@@ -244,6 +246,7 @@ def error_estimates(
                 ),
                 at=at,
                 lumped=_lumped_errors(under_load, states, at, weights) if lumped else None,
+                roots=lambda part: root_tension(pair, compliances, pair_tables(pair, part.pairs)),
                 sources=_sources(pair, states.contact, at),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
@@ -258,19 +261,20 @@ def _lumped_errors(
     at: NDArray[np.int64],
     weights: NDArray[np.float64],
 ) -> Callable[[int], dict[str, RemainingError]]:
-    """Errors of lumped contacts of a torque by its index: beside cells where slices have them."""
-    slices, contact = found[-1].slices, states.contact
-    if not (slices.plane or slices.conforming):
-        with suppress(ContactError):  # then from measurements
-            # a separate account, since no plan predicts the number of these cells
-            cells = sweep(
-                replace(contact, level="pairs", grid=FEW_CELLS),
-                states.position_rad[at],
-                [part.torque_Nmm for part in found],
-                keep_pairs=False,
-            )
-            return lambda t: error_beside_cells(join_sweeps([found[t]], at), cells[t], weights)
-    return lambda t: measured_error(found[t], contact.compliances)
+    """Errors of lumped contacts of a torque by its index; none if cells have no state."""
+    contact = states.contact
+    if found[-1].slices.conforming:
+        return lambda _: spread_error()
+    with suppress(ContactError):
+        # a separate account, since no plan predicts the number of these cells
+        cells = sweep(
+            replace(contact, level="pairs", grid=contact.grid.coarser()),
+            states.position_rad[at],
+            [part.torque_Nmm for part in found],
+            keep_pairs=False,
+        )
+        return lambda t: error_beside_cells(join_sweeps([found[t]], at), cells[t], weights)
+    return lambda _: {}
 
 
 def _weights(pair: BodyPair, at: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.analysis.deciding_positions import deciding_positions
 from flankload.analysis.estimate import estimate_errors
-from flankload.analysis.lumped_error import measured_error
+from flankload.analysis.lumped_error import error_beside_cells
 from flankload.contact.meshes_contact import sweep_meshes
+from flankload.contact.sweep import join_sweeps
 from flankload.errors import ContactError
 from flankload.mechanisms.elements import (
     account_errors_of_elements,
@@ -21,8 +24,10 @@ from flankload.result.position_order import order_of
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from flankload.analysis.error_rules import RemainingError
-    from flankload.base.arrays import Floats
+    from flankload.base.arrays import Floats, Numbers
     from flankload.contact.meshes_contact import MeshesSweep
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.several.assembly import Compliances
@@ -56,15 +61,16 @@ def error_estimates(
         assembly.slices[0],
         lambda: {"meshes": replace(assembly, slices=coarser).meshes},
     )
-    weights = np.full(assembly.position_rad.size, 1.0 / assembly.position_rad.size)
     whole = tuple(one.whole for one in states.found)
+    at = deciding_positions(whole[-1])
+    cells = _BesideCells(assembly, states, torques, at)
     reduced: dict[int, tuple[MeshesSweep, ...]] = {}
     with clock.stage("estimate") as account:
 
         def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
             reduced[part] = sweep_meshes(
                 replace(contact, **other),
-                assembly.position_rad,
+                assembly.position_rad[at],
                 torques,
                 # by which the moments on the bodies are known
                 keep_pairs=not plane,
@@ -78,13 +84,14 @@ def error_estimates(
             run_again,
             compliances,
             grid if lumped else grid.coarser(),
-            weights,
+            weights_of(assembly, at),
             variants=variants,
-            lumped=(lambda t: measured_error(whole[t], compliances)) if lumped else None,
+            at=at,
+            lumped=cells.errors if lumped else None,
         )
         found: list[dict[str, object]] = [one.as_dict() for one in estimated]
         if not plane:
-            for t, of_meshes in enumerate(_of_meshes(assembly, states, variants, reduced)):
+            for t, of_meshes in enumerate(_of_meshes(assembly, states, variants, reduced, cells)):
                 found[t][OF_MESHES] = of_meshes
     account_errors_of_elements(clock, assembly.names, compliances)
     return list(found)
@@ -95,9 +102,10 @@ def _of_meshes(
     states: MeshesStates,
     variants: Variants,
     reduced: Mapping[int, Sequence[MeshesSweep]],
+    cells: _BesideCells,
 ) -> list[tuple[Mapping[str, object], ...]]:
     """Estimates of the meshes under each torque; empty without torque."""
-    contact, weights = states.contact, weights_of(assembly)
+    contact, weights = states.contact, weights_of(assembly, cells.at)
     found: list[tuple[Mapping[str, object], ...]] = [()] * len(states.found)
     loaded = [t for t, one in enumerate(states.found) if one.whole.torque_Nmm > 0]
     for m, mesh in enumerate(contact.pairing.meshes if loaded else ()):
@@ -109,7 +117,8 @@ def _of_meshes(
             contact.grid,
             weights,
             variants=variants,
-            lumped=partial(_lumped, states, loaded, m) if contact.level == "lumped" else None,
+            at=cells.at,
+            lumped=partial(cells.of_mesh, m, loaded) if contact.level == "lumped" else None,
         )
         for t, one in zip(loaded, estimated, strict=True):
             found[t] = (*found[t], one.as_dict())
@@ -130,17 +139,50 @@ def _again(
     return tuple(reduced[part][t].meshes[m] for t in loaded)
 
 
-def _lumped(
-    states: MeshesStates, loaded: Sequence[int], m: int, t: int
-) -> dict[str, RemainingError]:
-    """Errors of the lumped contacts of a mesh."""
-    return measured_error(states.found[loaded[t]].meshes[m], states.contact.compliances)
+@dataclass(frozen=True, eq=False)
+class _BesideCells:
+    """Errors of lumped contacts by cells at the deciding positions."""
+
+    assembly: AnyAssembly
+    states: MeshesStates
+    torques_Nmm: Sequence[float]
+    at: NDArray[np.int64]
+
+    @cached_property
+    def found(self) -> tuple[MeshesSweep, ...] | None:
+        """The states with cells; None if there is none at a position."""
+        with suppress(ContactError):
+            contact = self.states.contact
+            return sweep_meshes(
+                replace(contact, level="pairs", grid=contact.grid.coarser()),
+                self.assembly.position_rad[self.at],
+                self.torques_Nmm,
+                # by which the moments on the bodies are known
+                keep_pairs=not self.assembly.is_plane,
+            )
+        return None
+
+    def of_mesh(self, m: int, loaded: Sequence[int], t: int) -> dict[str, RemainingError]:
+        """Those of a mesh under one of the `loaded` torques."""
+        return self.errors(loaded[t], m)
+
+    def errors(self, t: int, m: int | None = None) -> dict[str, RemainingError]:
+        """Those under a torque, of the whole drive or of a mesh; empty without cells."""
+        if self.found is None:
+            return {}
+        one, cells = (
+            each.whole if m is None else each.meshes[m]
+            for each in (self.states.found[t], self.found[t])
+        )
+        return error_beside_cells(
+            join_sweeps([one], self.at), cells, weights_of(self.assembly, self.at)
+        )
 
 
-def weights_of(assembly: AnyAssembly) -> Floats:
-    """(P,) Parts of the positions in means over the period."""
+def weights_of(assembly: AnyAssembly, at: Numbers | slice = slice(None)) -> Floats:
+    """(n,) Parts of the positions `at` in means over the period."""
     return order_of(
-        assembly.position_rad,
+        assembly.position_rad[at],
         pitch_rad=assembly.pairing.pitch_rad,
         period_rad=assembly.period_rad,
         closed=assembly.closed,

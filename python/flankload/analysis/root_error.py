@@ -1,0 +1,102 @@
+"""Error of the largest root tension: of the load of the tooth, of modes, and of elements.
+
+The stress in a root is proportional to the force on its tooth, so that it has the relative error of
+this share from each source. Modes that are left out act on the roots as well: the two highest ones
+have an effect of which the following ones add a part. Stress is read at the points of an edge where
+that of quadratic elements is most accurate, so that recovered stresses are no better; but like the
+displacement of a flank it is a product of two fields, that of the load and that of a dipole in the
+fillet. Both have the relative error that recovery shows there, and their product its square.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from flankload.analysis.error_rules import ROOT_STRESS, RemainingError, load_shares, of_largest
+from flankload.result.root_stress import root_reading, root_stress
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from flankload.base.arrays import Floats
+    from flankload.contact.sweep import Sweep
+    from flankload.elasticity.compliance import BodyCompliance
+    from flankload.pairing.body_pair import BodyPair
+    from flankload.result.pairs import PairTable
+
+    Bodies = tuple[BodyCompliance, BodyCompliance]
+
+#: Part of the effect of the two highest modes that the following ones add at most.
+FOLLOWING = 0.3
+#: Error by elements over the square of the difference of recovered strains.
+SQUARE = 2.5
+
+
+class RootTension(NamedTuple):
+    """Largest tension in the roots (2, P, S) of both bodies at some positions.
+
+    Attributes
+    ----------
+    tension : (2, P, S) array
+        Relative to the largest one of each body; 0 without fillets.
+    omitted : mapping of str to (2, P, S) array
+        Largest change without the highest modes, by the source of errors that this shows.
+    difference : (2, 1, 1) array
+        `RootResponse.difference`.
+    """
+
+    tension: Floats
+    omitted: Mapping[str, Floats]
+    difference: Floats
+
+
+def root_tension(
+    pair: BodyPair, compliances: Bodies, tables: Sequence[PairTable]
+) -> RootTension | None:
+    """The tension under the forces of a table per position; None if the scene asks for none."""
+    if all(each.root is None for each in compliances):
+        return None
+    whole = _tension(pair, compliances, tables)
+    largest = whole.max(axis=(1, 2), keepdims=True)
+    largest = np.where(largest > 0, largest, 1.0)
+
+    def without(reduced: Sequence[Bodies]) -> Floats:
+        changes = [np.abs(_tension(pair, one, tables) - whole) for one in reduced]
+        return np.asarray(np.max(changes, axis=0) / largest)
+
+    one, two = compliances
+    fewer = [(one.fewer_modes(less), two.fewer_modes(less)) for less in (1, 2)]
+    omitted = {"modes": without(fewer)}
+    if not pair.slices.plane:
+        omitted["axial"] = without([(one.fewer_axial_modes(), two.fewer_axial_modes())])
+    difference = [0.0 if each.root is None else each.root.difference for each in compliances]
+    return RootTension(whole / largest, omitted, np.array(difference)[:, None, None])
+
+
+def _tension(pair: BodyPair, compliances: Bodies, tables: Sequence[PairTable]) -> Floats:
+    sites = pair.pairing.sites
+    found = np.zeros((2, len(tables), sites.size))
+    for z in (0, 1):
+        reading = root_reading(pair, compliances, z, np.arange(sites.size))
+        if reading is not None:
+            found[z] = root_stress(reading, tables, sites, z).tension.stress_MPa
+    return np.maximum(found, 0.0)
+
+
+def add_root_errors(
+    errors: Mapping[str, dict[str, RemainingError]], part: Sweep, roots: RootTension
+) -> None:
+    """Add the error of the largest tension to those of each source, by source and quantity."""
+    share = load_shares(part)
+    per_share = roots.tension / np.where(share > 0, share, np.inf)
+    for source, quantities in errors.items():
+        of_share = quantities.get("load_share", RemainingError(0.0, 0.0))
+        own = FOLLOWING * roots.omitted.get(source, 0.0)
+        if source == "elements":
+            own = SQUARE * roots.difference**2 * roots.tension
+        doubts = per_share * (np.abs(of_share.error) + of_share.doubt), own
+        each = RemainingError(0.0, np.hypot(*doubts))
+        if np.any(each.doubt):
+            quantities[ROOT_STRESS] = of_largest(each, roots.tension)
