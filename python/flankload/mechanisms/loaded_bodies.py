@@ -26,39 +26,38 @@ POINTS = 4
 
 
 class Frame(NamedTuple):
-    """A frame in the world: with reversed axes, then turned about z.
+    """A frame in the world: with the mirror image of y, then turned about z.
 
     Attributes
     ----------
     turn_rad : float
         Angle at z = 0.
-    signs : (1, ±1, ±1)
-        -1: the axis is reversed.
+    sense : int
+        -1 with the mirror image, else 1.
     twist : float
-        Increase of the angle along the z of the frame, rad/mm.
+        Increase of the angle along z in the frame, rad/mm.
     """
 
     turn_rad: float = 0.0
-    signs: tuple[int, int, int] = (1, 1, 1)
+    sense: int = 1
     twist: float = 0.0
 
     def in_world(self, vectors: Floats, z_mm: Floats) -> Floats:
         """Vectors (…, 3) of the frame at heights (…) in the world."""
-        return in_world(vectors * self.signs, self._turns(z_mm))
+        return in_world(vectors * [1, self.sense, 1], self._turns(z_mm))
 
     def from_world(self, vectors: Floats, z_mm: Floats) -> Floats:
         """Vectors (…, 3) of the world at heights (…) in the frame."""
-        return in_world(vectors, -self._turns(z_mm)) * self.signs
+        return in_world(vectors, -self._turns(z_mm)) * [1, self.sense, 1]
 
     def stress_in_world(self, stress: Floats, z_mm: Floats) -> Floats:
         """Stresses (…, 6) of the frame at heights (…) in the world."""
-        _, y, z = self.signs
-        return stress_in_world(stress * [1, 1, 1, y, y * z, z], self._turns(z_mm))
+        signs = [1, 1, 1, self.sense, self.sense, 1]
+        return stress_in_world(stress * signs, self._turns(z_mm))
 
     def _turns(self, z_mm: Floats) -> Floats:
         """Angles at heights (…)."""
-        _, y, z = self.signs
-        return self.turn_rad + y * z * self.twist * z_mm
+        return self.turn_rad + self.sense * self.twist * z_mm
 
 
 class Contacts(NamedTuple):
@@ -144,11 +143,11 @@ class BodyInContact(ABC):
         frame, center = self.place(result, p)
         moved, found = loaded.displacements(forces), []
         for part in loaded.parts:
-            z = frame.signs[2] * np.broadcast_to(part.z_mm, (part.nodes.size, part.z_mm.size))
+            z = np.broadcast_to(part.z_mm, (part.nodes.size, part.z_mm.size))
             nodal, pressure = loaded.nodal(part, forces)
             v, stress = loaded.fields(part, moved)
             section = np.broadcast_to(loaded.nodes[part.nodes, None], (*z.shape, 2))
-            points = np.dstack([section, np.broadcast_to(part.z_mm, z.shape)])
+            points = np.dstack([section, z])
             columns = [
                 frame.in_world(points, z) + np.append(center, 0.0),
                 frame.in_world(v, z),
@@ -185,12 +184,11 @@ class BodyInContact(ABC):
             z, slices = table.z_mm[carries], result.width_loads
             half = 0.5 * slices.width_mm[np.abs(slices.z_mm - z[:, None]).argmin(axis=1)]
         force = frame.from_world(contacts.frame.in_world(on_1 if number == 0 else -on_1, z), z)
-        spans = np.sort(frame.signs[2] * np.column_stack([z - half, z + half]), axis=1)
         share = np.tile(0.5 * weights, len(normal))
         return PointForces(
             np.repeat(contacts.teeth[carries], POINTS),
             s,
-            np.repeat(spans, POINTS, axis=0),
+            np.repeat(np.column_stack([z - half, z + half]), POINTS, axis=0),
             share[:, None] * np.repeat(force, POINTS, axis=0),
             share * np.repeat(normal_N, POINTS),
             np.full(s.size, contacts.coast),

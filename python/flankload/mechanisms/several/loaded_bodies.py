@@ -23,26 +23,19 @@ if TYPE_CHECKING:
 class BodyOfMeshes(BodyInContact):
     """A body of a drive with several gear meshes, in the frame of its first mesh.
 
-    The working flanks of a ring touch in the mirror image; the ring is solved in a frame that is
-    turned over, in which they do as well, and in which its helix has the same hand.
+    The working flanks of a ring touch in the mirror image, in which it is solved.
     """
 
     assembly: AnyAssembly
 
-    @property
-    def _sense(self) -> int:
-        """-1 if the body is turned over."""
-        pairing = self.assembly.pairing
-        first, _ = pairing.meshes_of(self.number)[0]
-        return pairing.meshes[first].sense
+    sense: int
 
     def place(self, result: Result, p: int) -> tuple[Frame, Floats]:
         """Frame of the body at position p, and the place (2,) of its axis."""
         pairing = self.assembly.pairing
         turn = pairing.body_angles(result.position_rad[p : p + 1])[0, self.number]
-        return Frame(
-            float(turn), (1, self._sense, self._sense), self.loaded.section.twist
-        ), pairing.axes_mm[self.number]
+        frame = Frame(float(turn), self.sense, self.loaded.section.twist)
+        return frame, pairing.axes_mm[self.number]
 
     def contacts(self, result: Result, p: int) -> list[Contacts]:
         """Contacts of all its meshes."""
@@ -52,21 +45,21 @@ class BodyOfMeshes(BodyInContact):
             mesh, of_mesh = self.assembly.pairing.meshes[m], drive.meshes[m]
             table = of_mesh.pairs(p)
             at = np.searchsorted(mesh.pairing.sites, table.site)
-            teeth = self._sense * mesh.pairing.site_teeth[own][at] % self.body.teeth
-            frame = Frame(mesh.frame_rad, (1, mesh.sense, 1))
-            coast = mesh.sense != self._sense
+            teeth = self.sense * mesh.pairing.site_teeth[own][at] % self.body.teeth
+            frame = Frame(mesh.frame_rad, mesh.sense)
+            coast = mesh.sense != self.sense
             found.append(Contacts(of_mesh, table, own, teeth, coast, frame))
         return found
 
 
 def fields_of_bodies(scene: Scene, assembly: AnyAssembly) -> dict[str, FieldsOfBody | str]:
     """Bodies by name, or the reason why one has no fields."""
-    found, tables = dict[str, "FieldsOfBody | str"](), np.array(assembly.pairing.tables)
+    found, pairing = dict[str, "FieldsOfBody | str"](), assembly.pairing
     for z, (table, body, job) in enumerate(
         zip(assembly.names, assembly.bodies, assembly.jobs, strict=True)
     ):
         why = ""
-        numbers = np.flatnonzero(tables == z).tolist()
+        numbers = np.flatnonzero(np.equal(pairing.tables, z)).tolist()
         if body.mesh is None or not job.elastic:
             why = "rigid, so it has no fields"
         elif job.rim:
@@ -76,13 +69,15 @@ def fields_of_bodies(scene: Scene, assembly: AnyAssembly) -> dict[str, FieldsOfB
         if why:
             found[table] = why
             continue
+        sense = pairing.meshes[pairing.meshes_of(numbers[0])[0][0]].sense
+        own = body.in_mirror_image() if sense < 0 else body
         loaded = loaded_body(
-            body,
+            own,
             scene.accuracy.plane,
-            prism=prism_of(body, scene),
+            prism=prism_of(own, scene),
             width_mm=assembly.face_width_mm,
         )
         for j, number in enumerate(numbers):
             name = table if table.startswith("body_") else f"{table}_{j + 1}"
-            found[name] = BodyOfMeshes(number, body, loaded, assembly)
+            found[name] = BodyOfMeshes(number, body, loaded, assembly, sense)
     return found
