@@ -8,7 +8,7 @@ of quadratic elements along the axis, enough for the degree of the displacements
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -17,10 +17,11 @@ import numpy as np
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.fe_error import recovered_strains
-from flankload.elasticity.finite_elements import lame_parameters, stiffness
+from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.near_field import coast_nodes, loaded_edges
+from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.recovered_ring import RecoveredRing
 from flankload.elasticity.whole_body import parts_of, ring_of
 
@@ -220,17 +221,13 @@ def loaded_body(
 ) -> LoadedBody:
     """Condense the elements of an elastic body for forces on its flanks.
 
-    `prism`: extent along the axis, of a body of equal sectors; without it, a plane body of a width.
+    `prism`: extent along the axis; without it, a plane body of a width.
     """
     body = body.for_elements()
     mesh = body.mesh
     assert mesh is not None
-    if prism is not None:
-        assert isinstance(mesh, SectorMesh)
-        axial, section = prism.axial, prism.section(mesh, body.material)
-    else:
-        axial = AxialBasis((0.0, width_mm), 0)
-        section = replace(stiffness(mesh.nodes, mesh.cells, body.material, plane), functions=axial)
+    extent = prism or PlaneExtent(plane, width_mm)
+    axial, section = extent.axial, extent.section(mesh, body.material)
     if isinstance(mesh, SectorMesh):
         nodes, cells, numbers = ring_of(mesh)
         solve = _ring_solver(section, body, numbers)
@@ -278,7 +275,7 @@ def _ring_solver(
 def _whole_solver(section: SectionStiffness, mesh: WholeMesh) -> Callable[[Floats], Floats]:
     """Solver for the displacements of all nodes of a whole mesh."""
     recovery, size = Recovery(), len(mesh.nodes)
-    condense_nodes(section, mesh, np.zeros((size, 2, 0)), recovery=recovery)
+    condense_nodes(section, mesh, np.zeros((size, section.unknowns, 0)), recovery=recovery)
 
     def solve(forces: Floats) -> Floats:
         kept, carried = recovery.reduced(forces.reshape(size, -1, 1))

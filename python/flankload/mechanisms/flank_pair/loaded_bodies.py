@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.bodies import WholeMesh
 from flankload.elasticity.loaded_body import loaded_body
 from flankload.errors import SceneError
 from flankload.mechanisms.elements import prism_of
@@ -69,8 +68,6 @@ def field_bodies(scene: Scene) -> dict[str, FieldsOfBody | str]:
             found[name] = "its compliance comes from a file, so it has no elements and no fields"
         elif body.mesh is None or not pair.jobs[z].elastic:
             found[name] = "rigid, so it has no fields"
-        elif isinstance(body.mesh, WholeMesh) and pair.effects.three_dimensions:
-            found[name] = "meshed as a whole: in three dimensions sectors alone have fields"
         else:
             loaded = loaded_body(
                 body,
