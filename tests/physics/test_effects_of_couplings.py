@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.result import results_to_text
 from tests.physics.test_couplings import CROWNED, EQUAL, MISALIGNED, TEETH, TORQUE_NMM, plane, solve
 from tests.support.three_dimensional import deviation
 
@@ -126,6 +127,9 @@ def test_the_work_of_a_misaligned_coupling_is_lost_in_friction(driver: str) -> N
     lost = sense * (friction.work_1_J - friction.work_2_J)
     assert lost == pytest.approx(friction.loss_work_J, rel=0.025)
     assert friction.efficiency == pytest.approx(1.0 - lost / friction.work_1_J, abs=1e-5)
+    assert friction.tilting_moment_Nm is not None
+    said = f"tilting moment up to {friction.tilting_moment_Nm.max():.4g} N m; loss"
+    assert said in results_to_text([found])
 
 
 def test_half_a_turn_of_a_rubbing_press_fit_exchanges_both_sides() -> None:
