@@ -13,6 +13,7 @@ LONG = {
     "estimate": "25 minutes",
     "explore": "a minute; needs Chromium",
     "fuzz": "an hour",
+    "leaning-planet": "10 minutes; needs CalculiX",
     "nonlinear-fe": "6 minutes",
     "optimise": "5 minutes",
     "tolerance": "half an hour",
