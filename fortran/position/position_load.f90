@@ -339,7 +339,8 @@ contains
             solved = .false.
             if (.not. allocated(contact%touches) .or. meshes(1)%grid%finite_steps > 0) return
             state%passes = 1
-            if (contact%whole) then
+            ! between slices, K of some of the cells is not that part of K of all either
+            if (contact%whole .or. (contact%of_last .and. any(cells%in_slices))) then
                 call lay_pairs(bodies, meshes, position, cells, state%pairs, error)
             else
                 call lay_pairs(bodies, meshes, position, cells, state%pairs, error, contact%touches)
