@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 LEAST_MARGINAL_FORCE = 1e-3
 #: The compliance of a site under its own force is at least this part of its whole compliance.
 LEAST_OWN = 0.1
+#: In three dimensions, the closed form is a half to the whole of the change beside solid elements
+#: (a spur and a helical pair, cells and slices).
+IN_THREE_DIMENSIONS = 2.0
 #: Distance from the end of the flank, relative to its length, at which its own normal is evaluated.
 SHORT = 1e-6
 
@@ -65,7 +68,11 @@ def tip_error(
     if not turned.any():
         return {}
     changes = _changes(found, turned, between)
-    return {name: RemainingError(np.zeros_like(one), np.abs(one)) for name, one in changes.items()}
+    doubt = 1.0 if pair.slices.plane else IN_THREE_DIMENSIONS
+    return {
+        name: RemainingError(np.zeros_like(one), doubt * np.abs(one))
+        for name, one in changes.items()
+    }
 
 
 def _changes(found: Sweep, lost: Floats, between: Floats) -> dict[str, Floats]:

@@ -133,6 +133,18 @@ def _of_result(result: Result) -> dict[str, Value]:
             np.interp(z, result.slice_z_mm, array[int(p), sites.index(int(pair))])
         )
 
+    def mean_line_load(p: float, pair: float, z: float) -> float:
+        """Over the length of line loads about z."""
+        slices = result.slices
+        assert slices is not None
+        edges = np.append(slices.z_mm - 0.5 * slices.width_mm, slices.z_mm[-1])
+        edges[-1] += 0.5 * slices.width_mm[-1]
+        carried = np.append(0.0, np.cumsum(slices.force_N[int(p), sites.index(int(pair))]))
+        length = slices.line_load_length_mm
+        return float(
+            np.diff(np.interp([z - 0.5 * length, z + 0.5 * length], edges, carried))[0] / length
+        )
+
     known: dict[str, Value] = {
         "rotation": lambda p: float(result.rotation_rad[int(p)]),
         "transmission_error": lambda p: float(result.transmission_error_um[int(p)]),
@@ -143,7 +155,7 @@ def _of_result(result: Result) -> dict[str, Value]:
         "load_share": of_pair(result.load_share),
         "line_load": of_pair(result.line_load_N_per_mm),
         "peak_pressure": of_pair(result.peak_pressure_MPa),
-        "line_load_at": of_slice(result.slice_line_load_N_per_mm),
+        "line_load_at": mean_line_load,
         "peak_pressure_at": of_slice(result.slice_peak_pressure_MPa),
     }
     drive = result.drive
