@@ -19,7 +19,8 @@ import numpy as np
 
 import flankload as fl
 from flankload.contact.body_record import LEVELS
-from tests.benchmarks._sweep_core import Job, stage_times
+from tests.benchmarks._sweep_core import stage_times
+from tests.support.pair_job import Job
 from tests.support.paths import SCENES
 
 SCENE = SCENES / "external_gear.toml"

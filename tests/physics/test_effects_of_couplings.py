@@ -14,7 +14,7 @@ import pytest
 
 import flankload as fl
 from flankload.result import results_to_text
-from tests.physics.test_couplings import CROWNED, EQUAL, MISALIGNED, TEETH, TORQUE_NMM, plane, solve
+from tests.support.couplings import CROWNED, EQUAL, MISALIGNED, TEETH, TORQUE_NMM, plane, solve
 from tests.support.three_dimensional import deviation
 
 STRAIGHT: dict[str, Any] = {f"body_{z}__poisson_ratio": 0.0 for z in (1, 2)}

@@ -9,7 +9,7 @@ import flankload as fl
 from flankload.contact.core_call import CoreCall, CoreOutput
 from flankload.contact.status import Status
 from flankload.contact.sweep import sweep
-from tests.benchmarks._sweep_core import Job
+from tests.support.pair_job import Job
 from tests.support.paths import SCENES
 from tests.support.solving import solve
 

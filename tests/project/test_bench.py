@@ -12,8 +12,9 @@ from tests.benchmarks import effects
 from tests.benchmarks._instructions import read_profile
 from tests.benchmarks._packages import PACKAGES, Package, scale
 from tests.benchmarks._rivals import EXACT_ENOUGH, Measured, least_ratio, measure_package
-from tests.benchmarks._sweep_core import Job, _numbers
+from tests.benchmarks._sweep_core import _numbers
 from tests.support.cylinder_problem import Problem, cylinder, residual
+from tests.support.pair_job import Job
 from tests.support.paths import ROOT
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
