@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.base.blas_threads import one_blas_thread
 from flankload.bodies.axial_shape import share_middle
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.axial_basis import AxialBasis, functions_of
@@ -102,6 +103,7 @@ class Prism:
 
         return FlexibleBore.of(self.shaft, section, mesh)
 
+    @one_blas_thread()
     def near_products(self, body: Body, near: NearField, n: int, *, friction: bool) -> NearProducts:
         """Products of the modes: half-space with k = kernel/2, images, and jump; mm⁵/N."""
         surface, degree, along = flank_surface(body, self), self.load_degree, np.zeros(())
