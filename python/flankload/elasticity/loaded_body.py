@@ -183,7 +183,7 @@ class LoadedBody:
 
     def _at(self, forces: PointForces) -> tuple[Numbers, Floats]:
         """Nodes (n, 3) of the edges at forces, and their shape functions there."""
-        nodes, shapes = np.empty((forces.tooth.size, 3), dtype=np.int64), np.empty((0, 3))
+        nodes = np.empty((forces.tooth.size, 3), dtype=np.int64)
         shapes = np.empty(nodes.shape)
         for tooth, coast in forces.flanks:
             own = (forces.tooth == tooth) & (forces.coast == coast)
