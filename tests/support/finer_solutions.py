@@ -25,6 +25,7 @@ from flankload.analysis.error_rules import (
     ROOT_STRESS,
 )
 from flankload.analysis.estimate import OVERALL, POINTWISE
+from flankload.errors import PremiseError
 from flankload.mechanisms import run_once
 from flankload.scene.discretization import (
     DEFAULT,
@@ -94,7 +95,10 @@ class Truth:
 
 
 def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
-    """Reference of a scene from its file, or computed and stored; None if it takes too long."""
+    """Reference of a scene from its file, or computed and stored.
+
+    None if it takes too long, or if the scene is refused for its load.
+    """
     names = [field.name for field in fields(Truth)]
     key = json.dumps(
         [scene, FINER, FINER_SPLINE, FINER_SPATIAL, SPATIAL, MODES, DEFINED], sort_keys=True
@@ -105,7 +109,7 @@ def kept_truth(scene: dict[str, Any], file: Path) -> Truth | None:
                 there = "rotation_rad" in stored
                 return Truth(**{name: stored[name] for name in names}) if there else None
     truth, arrays = None, {}
-    with suppress(TooLongError), at_most(MOST_CPU_S):
+    with suppress(TooLongError, PremiseError), at_most(MOST_CPU_S):
         truth = finer_solution(scene)
         arrays = {name: getattr(truth, name) for name in names}
     file.parent.mkdir(parents=True, exist_ok=True)
