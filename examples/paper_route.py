@@ -15,8 +15,9 @@ import numpy as np
 import flankload as fl
 from flankload.bodies import Body
 from flankload.elasticity.finite_elements import stiffness
+from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.nodal_loads import flank_nodes
-from flankload.elasticity.sector_closure import close_ring, condense
+from flankload.elasticity.sector_closure import close_ring, condense_sector
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 
 SCENE = Path(__file__).parent / "scenes" / "external_gear.toml"
@@ -50,17 +51,19 @@ def nodal_tables(body: Body) -> tuple[np.ndarray, np.ndarray]:
     """3.1: unit forces along the normal at every node of the flank of tooth 0, one FE job.
 
     Displacements along normal and tangent (z, n, n) of the nodes of all z teeth, mm²/N: u and v in
-    the directions of the flank. Mid-side nodes are left out: they yield otherwise than corners.
+    the directions of the flank. Mid-side nodes, whose compliance
+    differs from that of corners, are left out.
     """
     mesh = body.mesh
     corners = np.append(mesh.flank_edges[:, 0], mesh.flank_edges[-1, 1])
     s = flank_nodes(mesh)
-    loads = np.zeros((2 * len(mesh.nodes), 2 * s.size))
+    loads = np.zeros((len(mesh.nodes), 2, 2 * s.size))
     for first, directions in ((0, body.curve.normal(s)), (s.size, body.curve.tangent(s))):
         for k, (node, direction) in enumerate(zip(corners, directions, strict=True)):
-            loads[2 * node : 2 * node + 2, first + k] = direction
+            loads[node, :, first + k] = direction
     matrix = stiffness(mesh.nodes, mesh.cells, body.material, "strain")
-    sector, _ = condense(matrix, loads, mesh)  # one tooth and its share of the rim …
+    # one tooth and its share of the rim …
+    sector = condense_sector(matrix, mesh, loads, (), JobLog())
     response = close_ring(sector, mesh.teeth)  # … copied all around ("FE-Copystrukturen")
     return response[:, : s.size, : s.size], response[:, s.size :, : s.size]
 
