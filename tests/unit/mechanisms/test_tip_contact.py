@@ -27,13 +27,14 @@ def both() -> tuple[Result, Result]:
     return solved(EXTERNAL, 302.0, count=32), solved(EXTERNAL, 302.0, count=32, **WITHOUT)
 
 
-def test_positions_without_tip_contact_keep_every_bit(both: tuple[Result, Result]) -> None:
+def test_positions_without_tip_contact_keep_their_values(both: tuple[Result, Result]) -> None:
+    """Cells are as wide as the estimate, an iteration that has more zones with tips."""
     with_tips, without = both
     alike = ~with_tips.corner_contact.any(axis=1)
     assert 16 < alike.sum() < 32
     for name in ("rotation_rad", "site_force_N", "peak_pressure_MPa"):
         one, two = getattr(with_tips, name)[alike], getattr(without, name)[alike]
-        np.testing.assert_array_equal(one, two)
+        np.testing.assert_allclose(one, two, rtol=SOLVER, atol=0.0)
 
 
 def test_contact_that_grows_up_to_a_tip_stays(both: tuple[Result, Result]) -> None:

@@ -17,7 +17,7 @@ ESTIMATE, TANGENTS = "accuracy.estimate", "accuracy.tangents"
 SWING, STIFFNESS = "transmission_error_peak_to_peak_um", "stiffness_tangent_mean_N_per_um"
 TORQUE = "load.torque_Nm"
 LINE = (
-    "left out, since no quantity needs them: error estimates (accuracy.estimate), sweeps for the "
+    "left out, since no quantity needs them: error estimates (accuracy.estimate), states for the "
     "tangent stiffness (accuracy.tangents)"
 )
 
