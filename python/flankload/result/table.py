@@ -278,7 +278,7 @@ def _friction(friction: FrictionResult) -> str:
     least, most = friction.torque_2_Nm.min(), friction.torque_2_Nm.max()
     text = f"{friction.driver} drives, torque on body 2 {least:.4g} to {most:.4g} N m"
     if friction.axial_force_N is not None and friction.tilting_moment_Nm is not None:
-        text += f"; axial force up to {np.abs(friction.axial_force_N).max():.4g} N, tilting moment "
+        text += f"; axial force up to {np.abs(friction.axial_force_N).max():.1f} N, tilting moment "
         text += f"up to {friction.tilting_moment_Nm.max():.4g} N m"
     if friction.efficiency is None or friction.loss_work_J is None:
         return text
