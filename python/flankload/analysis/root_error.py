@@ -2,19 +2,29 @@
 
 The stress in a root is proportional to the force on its tooth, so that it has the relative error of
 this share from each source. Modes that are left out act on the roots as well: the two highest ones
-have an effect of which the following ones add a part. Stress is read at the points of an edge where
-that of quadratic elements is most accurate, so that recovered stresses are no better; but like the
-displacement of a flank it is a product of two fields, that of the load and that of a dipole in the
-fillet. Both have the relative error that recovery shows there, and their product its square.
+have an effect of which the following ones add a part. In three dimensions the largest tension is
+that of a place along the axis, often near an end of the contact; modes, degrees of the load and
+degrees of the stress itself converge there as line loads do. Stress is read at the points of an
+edge where that of quadratic elements is most accurate, so that recovered stresses are no better;
+but like the displacement of a flank it is a product of two fields, that of the load and that of a
+dipole in the fillet. Both have the relative error that recovery shows there, and their product its
+square.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flankload.analysis.error_rules import ROOT_STRESS, RemainingError, load_shares, of_largest
+from flankload.analysis.error_rules import (
+    ROOT_STRESS,
+    SERIES,
+    RemainingError,
+    load_shares,
+    of_largest,
+)
 from flankload.result.root_stress import root_reading, root_stress
 
 if TYPE_CHECKING:
@@ -28,7 +38,7 @@ if TYPE_CHECKING:
 
     Bodies = tuple[BodyCompliance, BodyCompliance]
 
-#: Part of the effect of the two highest modes that the following ones add at most.
+#: Part of the effect of the two highest modes that the following ones add at most in the plane.
 FOLLOWING = 0.3
 #: Error by elements over the square of the difference of recovered strains.
 SQUARE = 2.5
@@ -70,9 +80,17 @@ def root_tension(
     fewer = [(one.fewer_modes(less), two.fewer_modes(less)) for less in (1, 2)]
     omitted = {"modes": without(fewer)}
     if not pair.slices.plane:
-        omitted["axial"] = without([(one.fewer_axial_modes(), two.fewer_axial_modes())])
+        omitted["axial"] = without([(_fewer_degrees(one), _fewer_degrees(two))])
     difference = [0.0 if each.root is None else each.root.difference for each in compliances]
     return RootTension(whole / largest, omitted, np.array(difference)[:, None, None])
+
+
+def _fewer_degrees(compliance: BodyCompliance) -> BodyCompliance:
+    """The compliance without the two highest degrees in z of its loads and of its root stress."""
+    fewer = compliance.fewer_axial_modes()
+    if fewer.root is None:
+        return fewer
+    return replace(fewer, root=fewer.root.with_each(lambda table: table[..., :-2, :]))
 
 
 def _tension(pair: BodyPair, compliances: Bodies, tables: Sequence[PairTable]) -> Floats:
@@ -90,10 +108,16 @@ def add_root_errors(
 ) -> None:
     """Add the error of the largest tension to those of each source, by source and quantity."""
     share = load_shares(part)
-    per_share = roots.tension / np.where(share > 0, share, np.inf)
+    # a root whose own flank carries little has the stress of its neighbours: that of its own force
+    # is at most as large per force as where the tension is largest
+    loaded = np.where(share > 0, roots.tension, 0.0)
+    per_share = loaded / np.where(share > 0, share, 1.0)
+    at = loaded.reshape(2, -1).argmax(axis=1)
+    per_share = np.minimum(per_share, per_share.reshape(2, -1)[[0, 1], at][:, None, None])
+    following = FOLLOWING if part.slices.plane else SERIES.doubt_pressure
     for source, quantities in errors.items():
         of_share = quantities.get("load_share", RemainingError(0.0, 0.0))
-        own = FOLLOWING * roots.omitted.get(source, 0.0)
+        own = following * roots.omitted.get(source, 0.0)
         if source == "elements":
             own = SQUARE * roots.difference**2 * roots.tension
         doubts = per_share * (np.abs(of_share.error) + of_share.doubt), own
