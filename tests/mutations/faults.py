@@ -469,7 +469,7 @@ _PYTHON = (
     *_in(
         "bodies/flank_surface.py",
         "physics/test_flank_surfaces.py",
-        ("-body.outward * removed / radius", "body.outward * removed / radius"),
+        ("-body.outward * removed_mm / radius", "body.outward * removed_mm / radius"),
     ),
     *_in(
         "pairing/slices.py",

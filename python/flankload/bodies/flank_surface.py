@@ -16,15 +16,13 @@ import numpy as np
 from flankload.base.files import path_of
 from flankload.base.number_text import number_of
 from flankload.errors import SceneError
-from flankload.flank import FlankCurve, turned_along
+from flankload.flank import FlankCurve, Spline, interpolating_spline, turned_along
 from flankload.scene.refusal import refuse
 from flankload.scene.table import LARGEST_DEVIATION, USUAL_MODIFICATION
 from flankload.scene.usual import Usual, question
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from scipy.interpolate import CubicSpline
 
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
@@ -146,21 +144,18 @@ def flank_surface(
 
 def section_curves(body: Body, removed_mm: Floats) -> list[FlankCurve]:
     """Flanks of a body in n sections, with the same breaks; `removed_mm`: metal removed (n, m)."""
-    from scipy.interpolate import CubicSpline
-
     surface = body.axial.surface
     assert surface is not None
     radius = body.base_radius_mm or abs(body.normal_lever_mm)
     ends = (body.curve.breaks[0], *surface.range_mm, body.curve.length_mm)
-    splines = [
-        CubicSpline(surface.places_mm, -body.outward * removed / radius) for removed in removed_mm
-    ]
+    turns = -body.outward * removed_mm / radius
+    splines = [interpolating_spline(surface.places_mm, turn[:, None]) for turn in turns]
     knots = np.append(surface.places_mm, surface.range_mm)
     return [turned_along(body.curve, partial(_faded, spline, ends), knots) for spline in splines]
 
 
 def _faded(
-    spline: CubicSpline, ends: tuple[float, float, float, float], s: Floats
+    spline: Spline, ends: tuple[float, float, float, float], s: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Values of a spline and two derivatives, continued beyond the active flank.
 
@@ -169,17 +164,18 @@ def _faded(
     """
     low, high = ends[1], ends[2]
     inside = np.clip(s, low, high)
-    value, first, second = spline(inside), spline(inside, 1), spline(inside, 2)
+    value, first, second = (f[:, 0] for f in spline.derivatives(inside))
     for end, far, side in ((low, ends[0], s < low), (high, ends[3], s > high)):
         if not side.any():
             continue
         h = far - end
         x = (s[side] - end) / h
-        slope, bend = h * float(spline(end, 1)), h**2 * float(spline(end, 2))
+        at_end, slope, bend = (float(f[0, 0]) for f in spline.derivatives(np.array([end])))
+        slope, bend = h * slope, h**2 * bend
         # value, slope and bend of the spline at x = 0; the same value and no slope at x = 1
         c = np.array([0.0, slope, 0.5 * bend, *_fading(slope, bend)])
         polynomial = np.polynomial.Polynomial(c)
-        value[side] = float(spline(end)) + polynomial(x)
+        value[side] = at_end + polynomial(x)
         first[side] = polynomial.deriv(1)(x) / h
         second[side] = polynomial.deriv(2)(x) / h**2
     return value, first, second

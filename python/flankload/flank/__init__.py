@@ -8,6 +8,7 @@ with the unit tangent t, n = (-t_y, t_x) is the unit normal that points out of t
 from flankload.flank.curve import ACTIVE, FlankCurve
 from flankload.flank.fit import CurvePiece, Place, fit_flank_curve, fit_tolerance_mm
 from flankload.flank.nodes import curve_through_nodes, nodes_deviation
+from flankload.flank.spline import Spline, interpolating_spline
 from flankload.flank.turned import turned_along
 
 __all__ = [
@@ -15,9 +16,11 @@ __all__ = [
     "CurvePiece",
     "FlankCurve",
     "Place",
+    "Spline",
     "curve_through_nodes",
     "fit_flank_curve",
     "fit_tolerance_mm",
+    "interpolating_spline",
     "nodes_deviation",
     "turned_along",
 ]

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from flankload.base.arrays import Floats
 from flankload.flank.curve import FlankCurve
 from flankload.flank.fit import CurvePiece, Place, fit_flank_curve
+from flankload.flank.spline import interpolating_spline
 
 #: Newton's steps to the closest point of a curve end when they are this part of its length.
 NEAR, MOST_STEPS = 1e-12, 50
@@ -93,14 +94,7 @@ def _checked_nodes(points: ArrayLike) -> Floats:
 
 def _spline(nodes: Floats) -> tuple[Place, Floats]:
     """Spline through the nodes over the chord length; chord length of each node."""
-    from scipy.interpolate import make_interp_spline
-
     chord = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
     knots = np.concatenate([[0.0], np.cumsum(chord)])
-    spline = make_interp_spline(knots, nodes, k=5 if len(nodes) >= 6 else 3)
-    first, second = spline.derivative(1), spline.derivative(2)
-
-    def place(u: Floats) -> tuple[Floats, Floats, Floats]:
-        return spline(u), first(u), second(u)
-
-    return place, knots
+    spline = interpolating_spline(knots, nodes, degree=5 if len(nodes) >= 6 else 3)
+    return spline.derivatives, knots

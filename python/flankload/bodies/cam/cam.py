@@ -13,7 +13,7 @@ from flankload.base.rounding import round_up
 from flankload.bodies.body import Body, Material, WholeMesh
 from flankload.bodies.plane import across
 from flankload.errors import SceneError
-from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve
+from flankload.flank import CurvePiece, FlankCurve, fit_flank_curve, interpolating_spline
 from flankload.flank.fit import FIT_TOLERANCE
 from flankload.meshes.blocks import (
     MOST_NODES,
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from flankload.scene import Cam
 
 LEAST_ROWS = 8
+#: Rows of further turns at each end of a table, for a spline that is periodic up to rounding.
+MORE_ROWS = 64
 #: Largest angle between rows, deg; beyond it, the curve between rows is arbitrary.
 LARGEST_STEP_DEG = 30.0
 #: Largest differences of a last row that repeats the first one, after a full turn.
@@ -207,15 +209,14 @@ def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:
 
 def _closed_spline(angle: Floats, radius: Floats) -> Place:
     """Points of the periodic cubic spline of the radius, by polar angle."""
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(angle, radius, bc_type="periodic")
-    first, second = spline.derivative(1), spline.derivative(2)
+    # the rows of further turns: an end condition loses half of its effect from row to row
+    turn, row = np.divmod(np.arange(-MORE_ROWS, radius.size + MORE_ROWS), radius.size - 1)
+    spline = interpolating_spline(angle[row] + 2 * np.pi * turn, radius[row, None])
 
     def place(u: Floats) -> tuple[Floats, Floats, Floats]:
         out = directions(u)
         along = across(out)
-        r, r_1, r_2 = (f(u)[:, None] for f in (spline, first, second))
+        r, r_1, r_2 = spline.derivatives(u)
         return r * out, r_1 * out + r * along, (r_2 - r) * out + 2 * r_1 * along
 
     return place
