@@ -263,6 +263,8 @@ contains
         rise = [dot_product(pair%point_1, pair%tangent_1), &
             & dot_product(pair%point_2, pair%tangent_2)]
         turn = [cross(pair%point_1, pair%tangent_1), cross(pair%point_2, pair%tangent_2)]
+        ! as in complete_pair
+        rise(2) = sign(max(abs(rise(2)), epsilon(rise)*pair%radius), rise(2))
         along_2 = rise(1)/rise(2)
         ! derivative of the slope of complete_pair, with dt/ds = -κ n
         bend = (turn(2)/rise(2)*(1.0_wp + curvature(1)*turn(1) &

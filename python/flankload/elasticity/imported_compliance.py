@@ -11,6 +11,7 @@ from flankload.bodies.free_corner import along_strengths, image_strengths
 from flankload.bodies.imported.compliance import ModalCompliance, NodalCompliance
 from flankload.elasticity.axial_basis import mode_norms_z
 from flankload.elasticity.compliance import BodyCompliance, FlankModes, NearField
+from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import (
     logarithm_strength,
@@ -19,7 +20,6 @@ from flankload.elasticity.near_field import (
     projected_near_field,
 )
 from flankload.elasticity.nodal_loads import linear_shapes, shape_widths
-from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import made_symmetric
 from flankload.errors import ComplianceFileError
 

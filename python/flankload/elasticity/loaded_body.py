@@ -16,12 +16,12 @@ import numpy as np
 
 from flankload.bodies.body import SectorMesh
 from flankload.elasticity.axial_basis import AxialBasis
+from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.fe_error import recovered_strains
 from flankload.elasticity.finite_elements import lame_parameters
 from flankload.elasticity.fronts.condensation import condense_nodes
 from flankload.elasticity.fronts.recovery import Recovery
 from flankload.elasticity.near_field import coast_nodes, loaded_edges
-from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.recovered_ring import RecoveredRing
 from flankload.elasticity.whole_body import parts_of, ring_of
 

@@ -111,16 +111,11 @@ def test_files_that_do_not_fit_the_scene_get_one_line(
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("times", "line"),
-    [
-        (1.001, r"body_2\.file: expected a pair of helices that turn body_2 by"),
-        (-1.0, r"body_2\.hand: expected 'left', the opposite of body_1.hand, found 'right'"),
-    ],
-)
-def test_helices_of_other_leads_get_one_line(
-    folder: Path, tmp_path: Path, times: float, line: str
+@pytest.mark.parametrize("times", [1.001, -1.0])
+def test_helices_of_other_leads_or_hands_get_one_line(
+    folder: Path, tmp_path: Path, times: float
 ) -> None:
+    line = r"body_2\.file: expected a pair of helices that turn body_2 by"
     for name in ("body_1", "body_2"):
         with np.load(folder / f"{name}.npz") as file:
             arrays = dict(file)

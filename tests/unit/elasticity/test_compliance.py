@@ -14,11 +14,11 @@ from flankload.elasticity.compliance import (
     flank_compliance,
 )
 from flankload.elasticity.compliance.loads import ModeLoads
+from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.compliance.response import Job, of_whole
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.near_field import mode_loads
-from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import close_ring
 from flankload.pairing.expansion import BodyLoad
 from flankload.scene import Gear, Ring

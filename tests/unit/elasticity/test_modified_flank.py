@@ -14,9 +14,9 @@ from flankload.cost import Account
 from flankload.elasticity.compliance import JobOptions, flank_compliance
 from flankload.elasticity.compliance.loads import ModeLoads
 from flankload.elasticity.compliance.modified_flank import on_modified_flank
+from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.finite_elements import stiffness
 from flankload.elasticity.near_field import consistent_loads, mode_values
-from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import close_ring
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.condensed import condense

@@ -18,6 +18,7 @@ from flankload.bodies.tip_modes import with_tip
 from flankload.elasticity.compliance.body_compliance import BodyCompliance, no_compliance
 from flankload.elasticity.compliance.contributions import Expansion
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
+from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
 from flankload.elasticity.compliance.tip_force import (
     has_turned_forces,
@@ -31,7 +32,6 @@ from flankload.elasticity.fe_error import (
 )
 from flankload.elasticity.finite_elements import centrifugal_load
 from flankload.elasticity.job_log import JobLog
-from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import made_symmetric
 
 if TYPE_CHECKING:

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from flankload.bodies.body import Body, MeshedFlank, SectorMesh
     from flankload.cost import Account
     from flankload.elasticity.compliance.contributions import NearProducts
-    from flankload.elasticity.plane_extent import PlaneExtent
+    from flankload.elasticity.compliance.plane_extent import PlaneExtent
     from flankload.elasticity.prism import Prism
 
 #: Directions of unit loads.

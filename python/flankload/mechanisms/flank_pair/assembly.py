@@ -177,8 +177,11 @@ def _slices(scene: Scene, bodies: tuple[Body, Body], pairing: Pairing) -> Slices
     one, two = (body.axial for body in bodies)
     if one.plane:
         return plane_slice(scene.pair.face_width_mm)
-    check_hands(one.hand_sign, two.hand_sign, inward=bodies[1].outward < 0)
     _check_lead(scene, bodies)
+    try:
+        check_hands(one.hand_sign, two.hand_sign, inward=bodies[1].outward < 0)
+    except SceneError as error:
+        raise with_file_of(scene, error) from None
     if pairing.fit is not None:
         return _coupling_slices(scene, bodies, (one, two))
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm

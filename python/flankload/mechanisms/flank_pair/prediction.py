@@ -15,8 +15,8 @@ from flankload.analysis.estimate import n_sweeps
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
+from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.compliance.tip_force import has_turned_forces
-from flankload.elasticity.plane_extent import PlaneExtent
 from flankload.elasticity.sector_closure import unknowns_of
 from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of, prism_of
 from flankload.mechanisms.stage_clock import elements_stage
