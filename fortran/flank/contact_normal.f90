@@ -106,8 +106,10 @@ contains
             !> Limit of the ratio of the two rates: flanks have smaller ratios, edges larger ones.
             real(wp), parameter :: many_times = 10.0_wp
 
+            ! no overflow if the other rate is 0 and the own one is a rounding error
             turning = other + (own - other) &
-                & /(1.0_wp + (own/max(many_times*abs(other), tiny(1.0_wp)))**4)
+                & /(1.0_wp + (own/max(many_times*abs(other), epsilon(own)*abs(own), &
+                & tiny(1.0_wp)))**4)
         end function limited_rate
 
     end function contact_normal

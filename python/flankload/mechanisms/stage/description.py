@@ -71,6 +71,9 @@ def _rows_of_stage(scene: Scene, assembly: StageAssembly) -> Rows:
     errors = 1000.0 * pairing.path_errors(assembly.errors.pins_mm)
     if errors.any():
         rows.append(("errors of the pins along the paths", f"{_listed(errors)} um"))
+    if any(stage.play_mm):
+        clearances = 2000.0 * np.array(stage.play_mm)
+        rows.append(("clearances of the bearings on the pins", f"{_listed(clearances)} um"))
     return rows
 
 

@@ -53,11 +53,13 @@ def _rows_of_train(scene: Scene, assembly: TrainAssembly) -> Rows:
         moves = "without resistance"
         if train.axial_stiffness_N_per_um is not None:
             moves = f"on {train.axial_stiffness_N_per_um:g} N/um"
-        return [
+        rows = [
             ("face width of a half", f"{assembly.face_width_mm:g} mm"),
             ("width of the groove", f"{train.groove_width_mm:g} mm"),
-            ("body_1 moves along its axis", moves),
         ]
+        if train.groove_diameter_mm is not None:
+            rows.append(("diameter of body_1 in the groove", f"{train.groove_diameter_mm:g} mm"))
+        return [*rows, ("body_1 moves along its axis", moves)]
     common = NAMES[pairing.common]
     rows = [
         ("face width", f"{assembly.face_width_mm:g} mm"),
