@@ -12,6 +12,7 @@ import pytest
 import flankload as fl
 from flankload.bodies.profile_deviation import deviation_at
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from tests.support.paths import SCENES
 from tests.support.three_dimensional import (
     HELICAL,
     MIRRORED,
@@ -21,7 +22,7 @@ from tests.support.three_dimensional import (
     solve_small,
     tree_of,
 )
-from tests.support.tolerances import SOLVER
+from tests.support.tolerances import ROUND_OFF, SOLVER
 
 WIDTH = 25.0
 #: Diameters of the active flank of the pinion, beyond the active flank by rounding of the file.
@@ -328,3 +329,26 @@ def test_added_metal_that_takes_up_the_backlash_is_refused(tmp_path: Path) -> No
         with pytest.raises(fl.PremiseError, match=r"14\.8 um of overlap") as caught:
             solve(load__torque_Nm=1.0, **{f"body_1__{key}": value})
         assert caught.value.key == f"body_1.{key}"
+
+
+def test_rows_of_a_topography_lie_at_their_diameters_on_teeth_that_point_inwards(
+    tmp_path: Path,
+) -> None:
+    """Regression: places were looked up along ascending diameters only."""
+    scene = fl.read_scene(SCENES / "internal_helical.toml")
+    ring = build_bodies(scene).body_2
+    ends = 2.0 * np.hypot(*ring.curve.point(ring.mode_range_mm).T)
+    rows = np.linspace(ends.min(), ends.max(), 6)
+    path = tmp_path / "ring.csv"
+    path.write_text("d,0,100\n" + "".join(f"{d!r},{k},{k}\n" for k, d in enumerate(rows.tolist())))
+    surface = build_bodies(
+        scene.replace({"body_2.topography_file": str(path)})
+    ).body_2.axial.surface
+    assert surface is not None
+    grid = surface.topography
+    assert grid is not None
+    assert (np.diff(grid.s_mm) > 0).all()
+    found = 2.0 * np.hypot(*ring.curve.point(grid.s_mm).T)
+    # places are interpolated between samples of the flank
+    np.testing.assert_allclose(found, rows[::-1], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(1000.0 * grid.removed_mm[:, 0], np.arange(6)[::-1], rtol=ROUND_OFF)

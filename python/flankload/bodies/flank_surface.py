@@ -199,8 +199,11 @@ def read_topography(
     diameters, z, removed_um = _read_grid(path, key)
     s = np.linspace(*range_mm, SAMPLES)
     at = 2.0 * np.hypot(*curve.point(s).T)
-    _check_cover(diameters, (at[0], at[-1]), key, path.name, ON_FLANK)
+    _check_cover(diameters, (at.min(), at.max()), key, path.name, ON_FLANK)
     _check_cover(z, (0.0, width_mm), key, path.name, ON_WIDTH)
+    if at[0] > at[-1]:
+        # teeth that point inwards: diameters descend from root to tip
+        at, diameters, removed_um = -at, -diameters[::-1], removed_um[::-1]
     # rows beyond the active flank only affect the spline: their distance is extrapolated
     beyond = np.clip(diameters, at[0], at[-1]) - diameters
     rate = np.gradient(at, s)
