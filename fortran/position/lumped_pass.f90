@@ -76,7 +76,8 @@ contains
         system%of = pack([(k, k=1, size(included))], included)
         n = size(system%of)
         system%coupling = position%coupling(system%of, system%of)
-        system%slopes = position%slopes(system%of, system%of)
+        system%slopes = position%slopes(system%of, system%of) &
+            & - spread(position%zones(system%of)%lever_change, 2, n)*system%coupling
         if (allocated(system%tangential)) deallocate (system%tangential)
         if (allocated(system%released)) deallocate (system%released)
         allocate (system%tangential(n, merge(n, 0, has_friction(meshes))))

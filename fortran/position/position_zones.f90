@@ -55,8 +55,8 @@ module flankload_position_zones
         !> That compliance without near fields, which in three dimensions depend on the torque
         !> [mm/N], shape (zones, zones)
         real(wp), allocatable :: smooth(:, :)
-        !> Tilt of the flanks at i per unit force at j by that displacement, along flank 1 and
-        !> relative to the rotation that closes the gap [1/N], shape (zones, zones)
+        !> Tilt of the flanks at i per unit force at j by that displacement, along flank 1 [1/N],
+        !> shape (zones, zones)
         real(wp), allocatable :: slopes(:, :)
         !> Sum c of both bodies, the factor of the logarithm [mm/N], shape (zones)
         real(wp), allocatable :: kernel(:)

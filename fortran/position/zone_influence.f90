@@ -59,8 +59,6 @@ contains
             & bodies, meshes, position%zones, none, places, position%smooth)
         call mirror(position%smooth)
         position%coupling = position%smooth
-        position%slopes = position%slopes &
-            & - spread(position%zones%lever_change, 2, n)*position%smooth
         allocate (position%most_half_width(size(meshes)), source=huge(1.0_wp))
         do m = 1, size(meshes)
             range = zones_of(m, position%zones)
