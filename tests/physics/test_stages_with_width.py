@@ -5,12 +5,14 @@ import pytest
 
 import flankload as fl
 from flankload.contact.meshes_contact import sweep_displaced
+from flankload.errors import SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.mechanisms.several.states import counted_work
 from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.states import compliances_of
 from flankload.mechanisms.stage_clock import StageClock
 from flankload.mechanisms.toggles import toggled
+from tests.support.paths import SCENES
 from tests.support.solving import solve
 from tests.support.stages_with_width import stage, wide
 from tests.support.tolerances import SOLVER
@@ -474,3 +476,17 @@ def test_fields_of_all_bodies_are_in_equilibrium():
         assert (fields.force_N * fields.displacement_mm).sum() > 0.0
     assert moments[0][2] == pytest.approx(-450.0, rel=FLANKS)
     np.testing.assert_allclose(sum(moments), 0.0, atol=FLANKS * np.abs(moments[1]).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "value", "expected"),
+    [
+        ("helical_stage", "stage.pin_bearing_width_mm", 21, "the width of the planets, 20 mm"),
+        ("double_helical", "train.groove_diameter_mm", 90, "the tip diameter of body_1, 88.1 mm"),
+    ],
+)
+def test_impossible_sizes_are_refused(name, key, value, expected):
+    scene = fl.read_scene(SCENES / f"{name}.toml").replace({key: value})
+    message = f"{name}.toml: {key}: expected at most {expected}, found {value} mm"
+    with pytest.raises(SceneError, match=message):
+        fl.solve(scene)

@@ -75,6 +75,7 @@ def assemble(
         bodies = bodies_of_meshes(
             _held(scene), discretization, effects, NAMES, parts, modified_elements=modified_elements
         )
+        _check_bearing(stage, bodies[1])
         run_outs = bool(stage.sun_run_out_um), bool(stage.ring_run_out_um)
         period = repeating_pitches(bodies, run_outs)
         position_rad, pitches = positions_of_meshes(scene, bodies[0].teeth, period)
@@ -103,6 +104,17 @@ def assemble(
         period_pitches=period,
         notes=_notes(scene, bodies, pairing, pitches, period),
     )
+
+
+def _check_bearing(stage: Stage, planet: Body) -> None:
+    """Refuse a bearing that is longer than its planet is wide."""
+    (low, high), length = planet.axial.range_mm, stage.pin_bearing_width_mm
+    if length is not None and not planet.axial.plane and length > high - low:
+        raise SceneError(
+            key="stage.pin_bearing_width_mm",
+            expected=f"at most the width of the planets, {high - low:g} mm",
+            found=f"{length:g} mm",
+        )
 
 
 def _jobs(

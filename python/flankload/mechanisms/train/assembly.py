@@ -76,6 +76,7 @@ def assemble(
         bodies = bodies_of_meshes(
             scene, discretization, effects, names, parts, modified_elements=modified_elements
         )
+        _check_groove(train, bodies[0])
         period = repeating_pitches(bodies)
         position_rad, pitches = positions_of_meshes(scene, bodies[0].teeth, period)
         distance = scene.pair.axes_apart_mm
@@ -111,6 +112,17 @@ def assemble(
         period_pitches=period,
         notes=_notes(scene, bodies, pairing, pitches, period),
     )
+
+
+def _check_groove(train: Train, pinion: Body) -> None:
+    """Refuse a groove that is no groove."""
+    diameter, tip_diameter = train.groove_diameter_mm, 2.0 * (pinion.tip_radius_mm or np.inf)
+    if diameter is not None and diameter > tip_diameter:
+        raise SceneError(
+            key="train.groove_diameter_mm",
+            expected=f"at most the tip diameter of body_1, {tip_diameter:g} mm",
+            found=f"{diameter:g} mm",
+        )
 
 
 def _in_groove(train: Train, pinion: Body, supports: TrainSupports) -> TrainSupports:
