@@ -20,7 +20,7 @@ from tests.support.three_dimensional import deviation
 STRAIGHT: dict[str, Any] = {f"body_{z}__poisson_ratio": 0.0 for z in (1, 2)}
 #: Axes 10 um apart slide along the profile.
 APART = {"pair__center_offset_mm": 0.01}
-RUBBING = {"effects__friction_coefficient": 0.1}
+FRICTION = {"effects__friction_coefficient": 0.1}
 
 
 def both(**changes: Any) -> tuple[fl.Result, fl.Result]:
@@ -80,7 +80,7 @@ def test_a_height_that_expansion_opens_is_named() -> None:
 def test_friction_on_offset_axes_is_that_of_plane_cells(driver: str) -> None:
     """Levers and tangential forces, which cancel by two thirds: measured 3 % of the change."""
     without = [float(found.rotation_rad[0]) for found in both(**APART)]
-    one, two = both(**APART, **RUBBING, positions__driver=driver)
+    one, two = both(**APART, **FRICTION, positions__driver=driver)
     change, wanted = (
         float(found.rotation_rad[0]) / alone - 1.0
         for found, alone in zip((one, two), without, strict=True)
@@ -99,7 +99,7 @@ def test_the_moment_of_friction_on_hardly_misaligned_axes() -> None:
     Sliding is y by the angle of the axes along z, and z along the profile's part across the plane
     of the misalignment. Narrow teeth slide along z only, with the moment 2/pi mu T r/r_b.
     """
-    found = solve(**EQUAL, **STRAIGHT, **RUBBING, pair__misalignment_mrad=0.001)
+    found = solve(**EQUAL, **STRAIGHT, **FRICTION, pair__misalignment_mrad=0.001)
     assert found.friction is not None
     assert found.friction.tilting_moments_Nm is not None
     x, y = found.friction.tilting_moments_Nm[0]
@@ -118,7 +118,7 @@ def test_the_moment_of_friction_on_hardly_misaligned_axes() -> None:
 def test_the_work_of_a_misaligned_coupling_is_lost_in_friction(driver: str) -> None:
     """Torque on the shaft and moment about the leaning axis of the hub; measured 1.4 %."""
     places = {"positions__angles_deg": None, "positions__count": 4}
-    found = solve(**CROWNED, **MISALIGNED, **RUBBING, **places, positions__driver=driver)
+    found = solve(**CROWNED, **MISALIGNED, **FRICTION, **places, positions__driver=driver)
     friction = found.friction
     assert friction is not None
     assert friction.work_1_J is not None
@@ -138,7 +138,7 @@ def test_half_a_turn_of_a_rubbing_press_fit_exchanges_both_sides() -> None:
     keys = {"body_1__profile_shift": shift, "effects__coast_flank": True, "load__torque_Nm": 0.0}
     tilted = {"pair__misalignment_mrad": 3.0, "pair__misalignment_direction_deg": 90.0}
     one, two = (
-        solve(**EQUAL, **keys, **tilted, **RUBBING, positions__driver=f"body_{z}") for z in (1, 2)
+        solve(**EQUAL, **keys, **tilted, **FRICTION, positions__driver=f"body_{z}") for z in (1, 2)
     )
     assert two.coast is not None
     working = one.slices.force_N[0]

@@ -482,6 +482,7 @@ def test_fields_of_all_bodies_are_in_equilibrium():
     ("name", "key", "value", "expected"),
     [
         ("helical_stage", "stage.pin_bearing_width_mm", 21, "the width of the planets, 20 mm"),
+        ("planetary_stage", "stage.pin_bearing_width_mm", 21, "the width of the planets, 20 mm"),
         ("double_helical", "train.groove_diameter_mm", 90, "the tip diameter of body_1, 88.1 mm"),
     ],
 )

@@ -141,8 +141,8 @@ def friction_result(
         x, y, z = pairs["x"] - center_distance_mm, pairs["y"], pairs["z"]
         # the axis of body 2 leans
         moment = moment + tilt[0] * -(y * along + z * force_y) + tilt[1] * (z * force_x + x * along)
-        rubbed_x, rubbed_y = -pairs["normal_y"] * turned, pairs["normal_x"] * turned
-        about_x, about_y = -y * along - z * rubbed_y, z * rubbed_x + x * along
+        friction_x, friction_y = -pairs["normal_y"] * turned, pairs["normal_x"] * turned
+        about_x, about_y = -y * along - z * friction_y, z * friction_x + x * along
         moments = np.stack([over_positions(about_x), over_positions(about_y)], axis=1)
         tilting = np.hypot(*moments.T)
         axial = np.bincount(position, along, minlength=n).astype(np.float64)

@@ -53,8 +53,9 @@ LEAD_KEYS = (
 )
 #: Keys of axes that are not parallel; the last one is that of splines.
 MISALIGNMENTS = ("inclination_um_per_mm", "deviation_um_per_mm", "misalignment_mrad")
-#: Keys of a stage by which its members lean.
+#: Keys of a stage by which its members lean, and of what is distributed along its pins.
 STAGE_KEYS = (
+    "pin_bearing_width_mm",
     "pin_tilt_stiffness_Nm_per_mrad",
     "sun_tilt_stiffness_Nm_per_mrad",
     "ring_tilt_stiffness_Nm_per_mrad",

@@ -109,7 +109,7 @@ def assemble(
 def _check_bearing(stage: Stage, planet: Body) -> None:
     """Refuse a bearing that is longer than its planet is wide."""
     (low, high), length = planet.axial.range_mm, stage.pin_bearing_width_mm
-    if length is not None and not planet.axial.plane and length > high - low:
+    if length is not None and length > high - low:
         raise SceneError(
             key="stage.pin_bearing_width_mm",
             expected=f"at most the width of the planets, {high - low:g} mm",

@@ -115,7 +115,7 @@ def assemble(
 
 
 def _check_groove(train: Train, pinion: Body) -> None:
-    """Refuse a groove that is no groove."""
+    """Refuse a groove whose diameter exceeds that of the tips."""
     diameter, tip_diameter = train.groove_diameter_mm, 2.0 * (pinion.tip_radius_mm or np.inf)
     if diameter is not None and diameter > tip_diameter:
         raise SceneError(
