@@ -21,16 +21,23 @@ DEGREE = 5
 #: Gauss rule for the arc length of an interval.
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(12)
 
+
+def _integrals_from_start(points: Floats) -> Floats:
+    """Matrix of the integrals from -1 to each point of the polynomial through all points."""
+    form = np.polynomial.legendre
+    number = np.eye(points.size)
+    to_coefficients = np.linalg.inv(form.legvander(points, points.size - 1))
+    matrix: Floats = form.legval(points, form.legint(number, lbnd=-1.0)).T @ to_coefficients
+    return matrix
+
+
+#: Arc lengths from the start of an interval to its Gauss points, from the speeds there.
+_PARTS = _integrals_from_start(_GAUSS_POINTS)
+
 #: Largest distance of a fit from the exact curve, relative to the length of all pieces; it is not
 #: less than the rounding error of coordinates, relative to the distance from the axis.
 FIT_TOLERANCE, ROUNDING_LIMIT = 1e-11, 256 * float(np.finfo(float).eps)
 
-#: Relative positions in an interval at which a fit is compared with the exact curve.
-_CHECKED_PARTS = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
-
-#: Last Newton step to a given arc length, relative to the interval; the remaining distance is
-#: evaluated to second order, so that the error is its cube.
-_LAST_STEP = 1e-4
 #: Number of cached fits, a few kB each.
 CACHED_FITS = 256
 #: Largest number of halvings; a piece that needs more has a jump and is refused.
@@ -69,7 +76,7 @@ def fit_flank_curve(
 
     Each interval matches point, unit tangent and curvature vector of the exact curve at its ends
     (quintic Hermite). It is halved until its distance from the exact curve, measured at equal arc
-    length, is within the tolerance.
+    length at the points of a Gauss rule, is within the tolerance.
 
     Parameters
     ----------
@@ -124,10 +131,9 @@ def fit_tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
     """
     length = far = 0.0
     for piece in pieces:
-        lengths, (end, _, _) = _lengths_and_ends(piece, _intervals(piece))
-        start, _, _ = piece.place(np.array([piece.u_start]))
-        length += float(lengths.sum())
-        far = max(far, float(lengths_of(np.concatenate([start, end])).max()))
+        found = _evaluated(piece, _intervals(piece))
+        length += float(found.lengths.sum())
+        far = max(far, float(lengths_of(found.points).max()))
     return max(FIT_TOLERANCE * length, ROUNDING_LIMIT * far)
 
 
@@ -151,26 +157,46 @@ def _fit_cached(
     return _fit(CurvePiece(label, getattr(*place), start, end), tolerance)
 
 
+class _Evaluated(NamedTuple):
+    """A piece in intervals: at the start of each, at its Gauss points, and at its end.
+
+    Attributes
+    ----------
+    ends : (m, 2) array
+        Parameters at both ends.
+    lengths, parts : (m,) and (m, 12) arrays
+        Arc lengths of the intervals, and from their starts to the Gauss points.
+    points, first, second : (m, 14, 2) arrays
+        Points and derivatives by the parameter.
+    """
+
+    ends: Floats
+    lengths: Floats
+    parts: Floats
+    points: Floats
+    first: Floats
+    second: Floats
+
+
 def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
     """Fit of a piece, as from `_fit_piece`."""
-    ends = _intervals(piece)
     done: list[tuple[Floats, Floats, Floats]] = []
-    lengths = _arc_lengths(piece, ends)
+    found = _evaluated(piece, _intervals(piece))
     for _ in range(_MOST_HALVINGS):
-        coefficients = _hermite(piece, ends, lengths)
-        halves = _halves(ends)
-        parts = _arc_lengths(piece, halves)
+        coefficients = _hermite(found, backward=piece.u_end < piece.u_start)
+        halves = _evaluated(piece, _halves(found.ends))
         # the sum over both halves differs if the Gauss rule is too coarse for the arc length
-        worst = np.abs(parts.reshape(2, -1).sum(axis=0) - lengths)
-        good = np.maximum(worst, _deviations(piece, ends, lengths, coefficients)) <= tolerance
-        done.append((ends[good, 0], lengths[good], coefficients[good]))
+        worst = np.abs(halves.lengths.reshape(2, -1).sum(axis=0) - found.lengths)
+        good = np.maximum(worst, _deviations(found, coefficients)) <= tolerance
+        done.append((found.ends[good, 0], found.lengths[good], coefficients[good]))
         if good.all():
             break
         left = np.tile(~good, 2)
-        ends, lengths = halves[left], parts[left]
+        found = _Evaluated(*(values[left] for values in halves))
     else:
         raise ValueError(
-            f"piece {piece.label!r}: expected a smooth curve, found a jump near u = {ends[0, 0]:g}"
+            f"piece {piece.label!r}: expected a smooth curve, found a jump near "
+            f"u = {found.ends[0, 0]:g}"
         )
     starts = np.concatenate([part[0] for part in done])
     order = np.argsort(starts if piece.u_end > piece.u_start else -starts)
@@ -192,33 +218,30 @@ def _halves(ends: Floats) -> Floats:
     return np.concatenate([np.stack([ends[:, 0], middle], 1), np.stack([middle, ends[:, 1]], 1)])
 
 
-def _arc_lengths(piece: CurvePiece, ends: Floats) -> Floats:
-    """Arc length between the two parameters of each row of `ends` (m, 2)."""
-    return _lengths_and_ends(piece, ends)[0]
+def _evaluated(piece: CurvePiece, ends: Floats) -> _Evaluated:
+    """Evaluate a piece in intervals between the two parameters of each row of `ends` (m, 2)."""
+    half = 0.5 * (ends[:, 1:] - ends[:, :1])
+    middle = ends.mean(axis=1, keepdims=True)
+    u = np.concatenate([ends[:, :1], middle + half * _GAUSS_POINTS, ends[:, 1:]], axis=1)
+    points, first, second = (part.reshape(*u.shape, 2) for part in piece.place(u.ravel()))
+    speed = np.abs(half) * lengths_of(first[:, 1:-1])
+    return _Evaluated(ends, speed @ _GAUSS_WEIGHTS, speed @ _PARTS.T, points, first, second)
 
 
-def _lengths_and_ends(
-    piece: CurvePiece, ends: Floats
-) -> tuple[Floats, tuple[Floats, Floats, Floats]]:
-    """Arc length (m,) of each row of `ends` (m, 2); place and derivatives (m, 2) at its end."""
-    half = 0.5 * (ends[:, 1] - ends[:, 0])
-    u = ends.mean(axis=1)[:, None] + half[:, None] * _GAUSS_POINTS
-    places = piece.place(np.concatenate([u.ravel(), ends[:, 1]]))
-    speed = lengths_of(places[1][: u.size]).reshape(u.shape)
-    point, first, second = (part[u.size :] for part in places)
-    return np.abs(half) * (speed @ _GAUSS_WEIGHTS), (point, first, second)
+def _hermite(found: _Evaluated, *, backward: bool) -> Floats:
+    """Quintics (m, 2, 6) in arc length that match points, tangents and curvatures of the ends.
 
-
-def _hermite(piece: CurvePiece, ends: Floats, lengths: Floats) -> Floats:
-    """Quintics (m, 2, 6) in arc length that match points, tangents and curvatures of the ends."""
-    sign = 1.0 if piece.u_end > piece.u_start else -1.0
-    point, first, second = piece.place(ends.T.ravel())
-    speed = lengths_of(first)[:, None]
+    `backward`: the parameter falls along the curve.
+    """
+    point, first, second = (of[:, [0, -1]] for of in (found.points, found.first, found.second))
+    speed = lengths_of(first)[..., np.newaxis]
     tangent = first / speed
-    along = (second * tangent).sum(axis=1, keepdims=True)
+    along = (second * tangent).sum(axis=2, keepdims=True)
     bent = (second - along * tangent) / speed**2
-    (p0, p1), (t0, t1), (k0, k1) = (np.split(at, 2) for at in (point, sign * tangent, bent))
-    return hermite_quintics((p0, t0, k0), (p1, t1, k1), lengths)
+    if backward:
+        tangent = -tangent
+    near, far = ((point[:, k], tangent[:, k], bent[:, k]) for k in (0, 1))
+    return hermite_quintics(near, far, found.lengths)
 
 
 def hermite_quintics(
@@ -257,25 +280,9 @@ def hermite_quintics(
     )
 
 
-def _deviations(piece: CurvePiece, ends: Floats, lengths: Floats, coefficients: Floats) -> Floats:
+def _deviations(found: _Evaluated, coefficients: Floats) -> Floats:
     """Largest distance (m,) of each interval from the exact curve at equal arc length."""
-    low, high = (np.repeat(of(axis=1), _CHECKED_PARTS.size) for of in (ends.min, ends.max))
-    span = np.repeat(ends[:, 1] - ends[:, 0], _CHECKED_PARTS.size)
-    starts = np.repeat(ends[:, 0], _CHECKED_PARTS.size)
-    wanted = (lengths[:, None] * _CHECKED_PARTS).ravel()
-    u = starts + span * np.tile(_CHECKED_PARTS, len(ends))
-    for _ in range(30):
-        found, (point, first, second) = _lengths_and_ends(piece, np.stack([starts, u], axis=1))
-        speed = lengths_of(first)
-        step = np.sign(span) * (wanted - found) / speed
-        if (np.abs(step) <= _LAST_STEP * np.abs(span)).all():
-            break
-        u = np.clip(u + step, low, high)
-    # the remaining arc length, to second order
-    along = (second * first).sum(axis=1) / speed**2
-    bend = second - along[:, None] * first
-    exact = point + step[:, None] * first + 0.5 * step[:, None] ** 2 * bend
-    powers = wanted.reshape(len(ends), -1, 1) ** np.arange(DEGREE + 1)
+    powers = found.parts[..., np.newaxis] ** np.arange(DEGREE + 1)
     fitted = np.einsum("mck,mpk->mpc", coefficients, powers)
-    worst: Floats = lengths_of(fitted - exact.reshape(fitted.shape)).max(axis=1)
+    worst: Floats = lengths_of(fitted - found.points[:, 1:-1]).max(axis=1)
     return worst

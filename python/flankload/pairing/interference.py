@@ -25,9 +25,12 @@ if TYPE_CHECKING:
     from flankload.bodies.profile.involute import Involute
     from flankload.flank import FlankCurve
 
+    Flags = NDArray[np.bool_]
 
 #: Number of points in each interval of a flank's curve.
 POINTS_PER_INTERVAL = 6
+#: Overlaps are first evaluated at every third point, then at all points near the deepest ones.
+FIRST_STEP = 3
 
 #: Least overlap that causes a warning, over the flank's length (1 um for module 4.5 mm); profiles
 #: are not more accurate.
@@ -107,17 +110,35 @@ def overlaps_of(
     some_1, some_2 = _some_meet(r_1, r_2, distance_mm), _some_meet(r_2, r_1, distance_mm)
     if not (some_1.any() and some_2.any()):
         return
-    r_1, angle_1, tip_1 = r_1[some_1], angle_1[some_1], tip_1[some_1]
-    r_2, angle_2, tip_2 = r_2[some_2], angle_2[some_2], tip_2[some_2]
-    depth = _overlaps((r_1[:, None], angle_1[:, None]), (r_2, angle_2), body_1, body_2, distance_mm)
-    at_tips = np.ix_(tip_1, tip_2)
-    tips = np.full_like(depth, -np.inf)
-    tips[at_tips] = depth[at_tips]
-    depth[at_tips] = -np.inf
-    for part, chosen in ((True, tips), (False, depth)):
-        i, j = np.unravel_index(np.argmax(chosen), chosen.shape)
-        if chosen[i, j] > LEAST_OVERLAP * body_1.curve.length_mm:
-            yield Overlap(float(chosen[i, j]), float(r_1[i]), float(r_2[j]), part)
+    places_1 = (r_1[some_1], angle_1[some_1], tip_1[some_1])
+    places_2 = (r_2[some_2], angle_2[some_2], tip_2[some_2])
+
+    def depths(some_1: NDArray[np.int64], some_2: NDArray[np.int64]) -> tuple[Floats, Flags]:
+        r_1, angle_1, tip_1 = (values[some_1, np.newaxis] for values in places_1)
+        r_2, angle_2, tip_2 = (values[some_2] for values in places_2)
+        found = _overlaps((r_1, angle_1), (r_2, angle_2), body_1, body_2, distance_mm)
+        return found, tip_1 & tip_2
+
+    counts = places_1[0].size, places_2[0].size
+    some = [np.unique([*range(0, count, FIRST_STEP), count - 1]) for count in counts]
+    first, first_at_tips = depths(*some)
+    for part in (True, False):
+        begun = _deepest(first, first_at_tips == part)
+        near = [
+            np.arange(max(of[k] - FIRST_STEP, 0), min(of[k] + FIRST_STEP + 1, count))
+            for k, of, count in zip(begun, some, counts, strict=True)
+        ]
+        depth, at_tips = depths(*near)
+        i, j = _deepest(depth, at_tips == part)
+        if at_tips[i, j] == part and depth[i, j] > LEAST_OVERLAP * body_1.curve.length_mm:
+            radii = places_1[0][near[0][i]], places_2[0][near[1][j]]
+            yield Overlap(float(depth[i, j]), float(radii[0]), float(radii[1]), part)
+
+
+def _deepest(depth: Floats, among: Flags) -> tuple[int, int]:
+    """Place of the largest overlap among the chosen ones."""
+    i, j = np.unravel_index(np.argmax(np.where(among, depth, -np.inf)), depth.shape)
+    return int(i), int(j)
 
 
 def along(curve: FlankCurve, count: int) -> Floats:
