@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from flankload.flank.curve import FlankCurve
 
 #: u (m,) -> point, first and second derivative with respect to u, each (m, 2).
 Place = Callable[[Floats], tuple[Floats, Floats, Floats]]
+
+T = TypeVar("T")
 
 DEGREE = 5
 
@@ -38,8 +40,8 @@ _PARTS = _integrals_from_start(_GAUSS_POINTS)
 #: less than the rounding error of coordinates, relative to the distance from the axis.
 FIT_TOLERANCE, ROUNDING_LIMIT = 1e-11, 256 * float(np.finfo(float).eps)
 
-#: Number of cached fits, a few kB each.
-CACHED_FITS = 256
+#: Number of cached fits, a few kB each, and sizes of pieces.
+CACHED_FITS = 512
 #: Largest number of halvings; a piece that needs more has a jump and is refused.
 _MOST_HALVINGS = 50
 
@@ -103,7 +105,7 @@ def fit_flank_curve(
         tolerance_mm = fit_tolerance_mm(pieces)
     lengths, coefficients, labels, corners = [], [], [], []
     for piece in pieces:
-        part_lengths, part_coefficients = _fit_piece(piece, tolerance_mm)
+        part_lengths, part_coefficients = _cached(_fit, piece, tolerance_mm)
         lengths.append(part_lengths)
         coefficients.append(part_coefficients)
         labels += [piece.label] * part_lengths.size
@@ -129,32 +131,41 @@ def fit_tolerance_mm(pieces: Sequence[CurvePiece]) -> float:
     float
         Proportional to the length of the curve.
     """
-    length = far = 0.0
-    for piece in pieces:
-        found = _evaluated(piece, _intervals(piece))
-        length += float(found.lengths.sum())
-        far = max(far, float(lengths_of(found.points).max()))
-    return max(FIT_TOLERANCE * length, ROUNDING_LIMIT * far)
+    sizes = [_cached(_length_and_reach, piece) for piece in pieces]
+    length, reach = sum(size[0] for size in sizes), max(size[1] for size in sizes)
+    return max(FIT_TOLERANCE * length, ROUNDING_LIMIT * reach)
 
 
-def _fit_piece(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
-    """Lengths (n,) and coefficients (n, 2, 6) of the intervals of one piece, in order.
+def _length_and_reach(piece: CurvePiece) -> tuple[float, float]:
+    """Arc length of a piece and its largest distance from the axis, mm."""
+    found = _evaluated(piece, _intervals(piece))
+    return float(found.lengths.sum()), float(lengths_of(found.points).max())
+
+
+def _cached(call: Callable[..., T], piece: CurvePiece, *others: float) -> T:
+    """Call a function of a piece.
 
     Methods of dataclasses (fillets, involutes) are cached, since designs of a body share them.
     """
     owner = getattr(piece.place, "__self__", None)
     if piece.knots.size or not is_dataclass(owner):
-        return _fit(piece, tolerance)
+        return call(piece, *others)
     place = (owner, piece.place.__name__)
-    return _fit_cached(place, piece.label, piece.u_start, piece.u_end, tolerance)
+    found: T = _of_method(call, place, piece.label, piece.u_start, piece.u_end, *others)
+    return found
 
 
 @lru_cache(maxsize=CACHED_FITS)
-def _fit_cached(
-    place: tuple[object, str], label: str, start: float, end: float, tolerance: float
-) -> tuple[Floats, Floats]:
-    """Fit of a piece whose place is the named method of a dataclass."""
-    return _fit(CurvePiece(label, getattr(*place), start, end), tolerance)
+def _of_method(
+    call: Callable[..., T],
+    place: tuple[object, str],
+    label: str,
+    start: float,
+    end: float,
+    *others: float,
+) -> T:
+    """Call a function of a piece whose place is the named method of a dataclass."""
+    return call(CurvePiece(label, getattr(*place), start, end), *others)
 
 
 class _Evaluated(NamedTuple):
@@ -179,7 +190,7 @@ class _Evaluated(NamedTuple):
 
 
 def _fit(piece: CurvePiece, tolerance: float) -> tuple[Floats, Floats]:
-    """Fit of a piece, as from `_fit_piece`."""
+    """Lengths (n,) and coefficients (n, 2, 6) of the intervals of one piece, in order."""
     done: list[tuple[Floats, Floats, Floats]] = []
     found = _evaluated(piece, _intervals(piece))
     for _ in range(_MOST_HALVINGS):

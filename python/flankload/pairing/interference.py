@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from flankload.flank import FlankCurve
 
     Flags = NDArray[np.bool_]
+    Numbers = NDArray[np.int64]
 
 #: Number of points in each interval of a flank's curve.
 POINTS_PER_INTERVAL = 6
@@ -110,16 +111,15 @@ def overlaps_of(
     some_1, some_2 = _some_meet(r_1, r_2, distance_mm), _some_meet(r_2, r_1, distance_mm)
     if not (some_1.any() and some_2.any()):
         return
-    places_1 = (r_1[some_1], angle_1[some_1], tip_1[some_1])
-    places_2 = (r_2[some_2], angle_2[some_2], tip_2[some_2])
+    r_1, angle_1, tip_1 = r_1[some_1], angle_1[some_1], tip_1[some_1]
+    r_2, angle_2, tip_2 = r_2[some_2], angle_2[some_2], tip_2[some_2]
 
-    def depths(some_1: NDArray[np.int64], some_2: NDArray[np.int64]) -> tuple[Floats, Flags]:
-        r_1, angle_1, tip_1 = (values[some_1, np.newaxis] for values in places_1)
-        r_2, angle_2, tip_2 = (values[some_2] for values in places_2)
-        found = _overlaps((r_1, angle_1), (r_2, angle_2), body_1, body_2, distance_mm)
-        return found, tip_1 & tip_2
+    def depths(i: Numbers, j: Numbers) -> tuple[Floats, Flags]:
+        place_1 = (r_1[i, np.newaxis], angle_1[i, np.newaxis])
+        found = _overlaps(place_1, (r_2[j], angle_2[j]), body_1, body_2, distance_mm)
+        return found, tip_1[i, np.newaxis] & tip_2[j]
 
-    counts = places_1[0].size, places_2[0].size
+    counts = r_1.size, r_2.size
     some = [np.unique([*range(0, count, FIRST_STEP), count - 1]) for count in counts]
     first, first_at_tips = depths(*some)
     for part in (True, False):
@@ -131,8 +131,8 @@ def overlaps_of(
         depth, at_tips = depths(*near)
         i, j = _deepest(depth, at_tips == part)
         if at_tips[i, j] == part and depth[i, j] > LEAST_OVERLAP * body_1.curve.length_mm:
-            radii = places_1[0][near[0][i]], places_2[0][near[1][j]]
-            yield Overlap(float(depth[i, j]), float(radii[0]), float(radii[1]), part)
+            radii = float(r_1[near[0][i]]), float(r_2[near[1][j]])
+            yield Overlap(float(depth[i, j]), *radii, part)
 
 
 def _deepest(depth: Floats, among: Flags) -> tuple[int, int]:
