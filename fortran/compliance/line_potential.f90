@@ -11,6 +11,9 @@ module flankload_line_potential
 
     public :: add_potentials, mean_potential, own_potential, segment_difference
 
+    !> Distance in lengths from which six moments are sufficient, to 4e-7 of the potential
+    real(wp), parameter :: far = 4.0_wp
+
     abstract interface
         !> Integral of a function of two distances.
         pure function integral(across, along) result(value)
@@ -37,7 +40,14 @@ contains
         real(wp), intent(in) :: across
         real(wp) :: mean
 
-        mean = potential(distance, length, other, across**2)
+        real(wp) :: square
+
+        square = distance**2 + across**2
+        if (square >= (far*max(length, other))**2) then
+            mean = by_moments(distance**2, length**2, other**2, square)
+        else
+            mean = integrated(distance, length, other, across**2)
+        end if
     end function mean_potential
 
     !> Add the mean potentials of segments over another one, parallel to them.
@@ -55,15 +65,48 @@ contains
         real(wp), contiguous, intent(inout) :: potentials(:)
 
         integer :: k
+        real(wp) :: square, limit
 
+        ! without a branch, so that several are computed at once
         do k = 1, size(potentials)
+            square = distances(k)**2 + across(k)
+            limit = (far*max(lengths(k), other))**2
+            potentials(k) = potentials(k) + strength*(0.5_wp + sign(0.5_wp, square - limit)) &
+                & *by_moments(distances(k)**2, lengths(k)**2, other**2, max(square, limit))
+        end do
+        do k = 1, size(potentials)
+            if (distances(k)**2 + across(k) >= (far*max(lengths(k), other))**2) cycle
             potentials(k) = potentials(k) &
-                & + strength*potential(distances(k), lengths(k), other, across(k))
+                & + strength*integrated(distances(k), lengths(k), other, across(k))
         end do
     end subroutine add_potentials
 
-    !> Return the mean potential of a segment over another, parallel one [1/mm].
-    elemental function potential(distance, length, other, across) result(mean)
+    !> Return the mean potential of a segment over another, parallel one, whose second, fourth and
+    !> sixth moments are sufficient [1/mm].
+    elemental function by_moments(along, one, other, square) result(mean)
+        !> Squares of the distance between both centres along the segments, of both lengths, and of
+        !> the distance between the centres [mm²]
+        real(wp), intent(in) :: along
+        real(wp), intent(in) :: one
+        real(wp), intent(in) :: other
+        real(wp), intent(in) :: square
+        real(wp) :: mean
+
+        real(wp) :: inverse, c, second, fourth, sixth
+
+        inverse = 1.0_wp/square
+        c = along*inverse
+        ! moments of the difference of two places, times the Legendre polynomials of sqrt(c)
+        second = (1.0_wp/24.0_wp)*(one + other)*(3.0_wp*c - 1.0_wp)
+        fourth = (1.0_wp/640.0_wp)*(one**2 + other**2 + (10.0_wp/3.0_wp)*one*other) &
+            & *((35.0_wp*c - 30.0_wp)*c + 3.0_wp)
+        sixth = (1.0_wp/7168.0_wp)*(one + other)*(one**2 + other**2 + 6.0_wp*one*other) &
+            & *(((231.0_wp*c - 315.0_wp)*c + 105.0_wp)*c - 5.0_wp)
+        mean = sqrt(inverse)*(1.0_wp + inverse*(second + inverse*(fourth + inverse*sixth)))
+    end function by_moments
+
+    !> Return the mean potential of a segment over another, parallel one, by Eq. (S3) [1/mm].
+    elemental function integrated(distance, length, other, across) result(mean)
         !> Distance between both centres along the segments, and lengths of both [mm]
         real(wp), intent(in) :: distance
         real(wp), intent(in) :: length
@@ -72,20 +115,9 @@ contains
         real(wp), intent(in) :: across
         real(wp) :: mean
 
-        !> Distance in lengths from which the second moments are sufficient, to 1e-5 of the mean
-        real(wp), parameter :: far = 10.0_wp
-        real(wp) :: square
-
-        square = distance**2 + across
-        if (square > (far*max(length, other))**2) then
-            mean = (1.0_wp + (length**2 + other**2)*(2.0_wp*distance**2 - across) &
-                & /(24.0_wp*square**2))/sqrt(square)
-        else
-            ! Eq. (S3)
-            mean = segment_difference(twice_integrated, sqrt(across), distance, length, other) &
-                & /(length*other)
-        end if
-    end function potential
+        mean = segment_difference(twice_integrated, sqrt(across), distance, length, other) &
+            & /(length*other)
+    end function integrated
 
     !> Return the integral over two parallel segments of a function of the distances between their
     !> points, from its integral over one distance and twice over the other: the difference between

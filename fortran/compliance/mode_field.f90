@@ -8,7 +8,7 @@ module flankload_mode_field
     private
 
     public :: places_type
-    public :: add_modes, add_modes_singly, add_mode_slopes, add_tangential_modes
+    public :: add_modes, add_modes_singly, add_products, add_tangential_modes
 
     !> Places of one body at which forces act: at pairs, or at zones with one unknown each.
     type :: places_type
@@ -210,22 +210,6 @@ contains
             & places%site(at(1)))), places%values(:, at(2):), m, displaced(before + 1, 1))
     end subroutine displace
 
-    !> Add V' g Vᵀ of one body, the derivatives of the displacements by modes along a flank.
-    pure subroutine add_mode_slopes(body, places, slopes, matrix)
-        !> Compliance of the body
-        type(compliance_type), intent(in) :: body
-        !> Places of the body, those of a flank adjacent
-        type(places_type), intent(in) :: places
-        !> Derivatives V' of the modes at the places, shape (n_modes, n)
-        real(wp), contiguous, intent(in) :: slopes(:, :)
-        !> Derivative at place i per unit normal force at place j [1/N], shape (all, all)
-        real(wp), intent(inout) :: matrix(:, :)
-
-        if (size(slopes) == 0) return
-        matrix(places%of, places%of) = matrix(places%of, places%of) &
-            & + between_flanks(body, body%smooth, places, slopes)
-    end subroutine add_mode_slopes
-
     !> Add V g_t Vᵀ of one body for forces along the profile, with the displacement opposite to the
     !> direction out of the material, Eq. (S4) without its near field: not symmetric.
     pure subroutine add_tangential_modes(body, places, matrix)
@@ -237,56 +221,78 @@ contains
         real(wp), intent(inout) :: matrix(:, :)
 
         integer :: j
-        real(wp), allocatable :: part(:, :)
+        real(wp) :: part(size(places%of), size(places%of))
 
         if (.not. allocated(body%tangential)) return
-        part = between_flanks(body, body%tangential, places, places%values)
+        part = 0.0_wp
+        call add_products(body, body%tangential, places, [(j, j=1, size(part, 1))], &
+            & places%values, size(part, 1), part)
         do j = 1, size(places%of)
             matrix(:, j) = matrix(:, j) - places%friction(j)*part(:, j)
         end do
     end subroutine add_tangential_modes
 
-    !> Return L g Vᵀ of one body, flank by flank.
-    pure function between_flanks(body, blocks, places, left) result(product)
+    !> Add L g Vᵀ of one body, flank by flank, and the lower triangle of V g Vᵀ with reciprocal g.
+    pure subroutine add_products(body, blocks, places, of, left, n, product, smooth)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
         !> g of forces of one direction [mm/N], shape (n_modes, n_modes, blocks)
         real(wp), contiguous, intent(in) :: blocks(:, :, :)
-        !> Places of the body, those of a flank adjacent
+        !> Places of the body, and their rows and columns, which are adjacent for those of a flank
         type(places_type), intent(in) :: places
-        !> L, shape (n_modes, n)
+        integer, intent(in) :: of(:)
+        !> L, shape (n_modes, size(of))
         real(wp), contiguous, intent(in) :: left(:, :)
-        real(wp) :: product(size(places%of), size(places%of))
+        !> Number of rows and columns (of explicit shape, so that parts of it are passed in place)
+        integer, intent(in) :: n
+        !> L g Vᵀ, and V g Vᵀ
+        real(wp), intent(inout) :: product(n, n)
+        real(wp), intent(inout), optional :: smooth(n, n)
 
         integer :: i, j, m, first, last, row, row_last
         real(wp), allocatable :: displaced(:, :)
 
         m = size(left, 1)
+        if (m == 0) return
         if (are_few(places%flank)) then
-            do j = 1, size(product, 2)
-                do i = 1, size(product, 1)
-                    product(i, j) = between_places(left(:, i), blocks(:, :, &
-                        & body%block(places%site(i), places%site(j))), places%values(:, j))
+            do j = 1, size(of)
+                do i = 1, size(of)
+                    associate (block => body%block(places%site(i), places%site(j)))
+                        product(of(i), of(j)) = product(of(i), of(j)) + between_places( &
+                            & left(:, i), blocks(:, :, block), places%values(:, j))
+                        if (present(smooth) .and. i >= j) smooth(of(i), of(j)) = smooth(of(i), &
+                            & of(j)) + between_places(places%values(:, i), blocks(:, :, block), &
+                            & places%values(:, j))
+                    end associate
                 end do
             end do
             return
         end if
-        allocate (displaced(m, size(places%of)))
+        allocate (displaced(m, size(of)))
         first = 1
-        do while (first <= size(places%of))
+        do while (first <= size(of))
             last = last_of_site(places%flank, first)
             row = 1
-            do while (row <= size(places%of))
+            do while (row <= size(of))
                 row_last = last_of_site(places%flank, row)
-                call set_product(m, last - first + 1, m, transpose(blocks(:, :, &
-                    & body%block(places%site(row), places%site(first)))), &
-                    & places%values(:, first:), m, displaced)
-                call set_product(row_last - row + 1, last - first + 1, m, left(:, row:), &
-                    & displaced, size(product, 1), product(row, first))
+                if (present(smooth)) then
+                    ! the block with both sites exchanged is the transpose
+                    call set_product(m, last - first + 1, m, blocks(:, :, &
+                        & body%block(places%site(first), places%site(row))), &
+                        & places%values(:, first:), m, displaced)
+                    if (row >= first) call add_block(row_last - row + 1, last - first + 1, m, &
+                        & places%values(:, row:), displaced, n, smooth(of(row), of(first)))
+                else
+                    call set_product(m, last - first + 1, m, transpose(blocks(:, :, &
+                        & body%block(places%site(row), places%site(first)))), &
+                        & places%values(:, first:), m, displaced)
+                end if
+                call add_block(row_last - row + 1, last - first + 1, m, left(:, row:), displaced, &
+                    & n, product(of(row), of(first)))
                 row = row_last + 1
             end do
             first = last + 1
         end do
-    end function between_flanks
+    end subroutine add_products
 
 end module flankload_mode_field

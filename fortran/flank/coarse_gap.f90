@@ -26,7 +26,7 @@ contains
         !> to the radius
         real(wp), parameter :: bend = 2.0_wp
         integer :: k, l, n, first
-        real(wp) :: least, low, high
+        real(wp) :: least, low, high, part
         real(wp), dimension(size(facing%flank_1%subset)) :: x_1, y_1, radius_1
         real(wp), dimension(size(facing%flank_2%subset)) :: x_2, y_2, radius_2
 
@@ -43,18 +43,23 @@ contains
             do l = 1, size(radius_2)
                 if (radius_2(l) < radius_1(first) .or. radius_2(l) > radius_1(n)) cycle
                 k = min(n - 1, first - 1 + count(radius_1(first:) <= radius_2(l)))
-                least = min(least, half_tangent(fraction_at(radius_1(k:k + 1), radius_2(l)), &
-                    & x_1(k:k + 1), y_1(k:k + 1), 0.0_wp, x_2([l, l]), y_2([l, l])) &
-                    & - 0.5_wp*(maxval(flank_1%bulge(k:k + 1)) + flank_2%bulge(l))/radius_2(l))
+                part = fraction_at(radius_1(k:k + 1), radius_2(l))
+                least = min(least, half_tangent(x_1(k) + part*(x_1(k + 1) - x_1(k)), &
+                    & y_1(k) + part*(y_1(k + 1) - y_1(k)), x_2(l), y_2(l)) &
+                    & - 0.5_wp*(max(flank_1%bulge(k), flank_1%bulge(k + 1)) &
+                    & + flank_2%bulge(l))/radius_2(l))
             end do
             do l = 1, size(radius_2) - 1
                 low = min(radius_2(l), radius_2(l + 1))
                 high = max(radius_2(l), radius_2(l + 1))
                 do k = first, n
-                    if (radius_1(k) < low .or. radius_1(k) > high) cycle
-                    least = min(least, half_tangent(0.0_wp, x_1([k, k]), y_1([k, k]), &
-                        & fraction_at(radius_2(l:l + 1), radius_1(k)), x_2(l:l + 1), y_2(l:l + 1)) &
-                        & - 0.5_wp*(flank_1%bulge(k) + maxval(flank_2%bulge(l:l + 1)))/radius_1(k))
+                    if (radius_1(k) < low) cycle
+                    if (radius_1(k) > high) exit
+                    part = fraction_at(radius_2(l:l + 1), radius_1(k))
+                    least = min(least, half_tangent(x_1(k), y_1(k), x_2(l) + part*(x_2(l + 1) &
+                        & - x_2(l)), y_2(l) + part*(y_2(l + 1) - y_2(l))) - 0.5_wp &
+                        & *(flank_1%bulge(k) + max(flank_2%bulge(l), flank_2%bulge(l + 1))) &
+                        & /radius_1(k))
                 end do
             end do
             if (least < huge(least)) gap = 2.0_wp*atan(least) - bend*(flank_1%longest_chord**2 &
@@ -93,25 +98,15 @@ contains
         if (abs(radii(2) - radii(1)) > 0.0_wp) part = (radius - radii(1))/(radii(2) - radii(1))
     end function fraction_at
 
-    !> Return the tangent of half the angle from a point on a chord of flank 1 to a point on a chord
-    !> of flank 2.
-    pure function half_tangent(part_1, x_1, y_1, part_2, x_2, y_2) result(tangent)
-        !> Fraction of its chord at which each point lies, and coordinates of the ends of the chord
-        !> [mm], shape (2)
-        real(wp), intent(in) :: part_1
-        real(wp), intent(in) :: x_1(2)
-        real(wp), intent(in) :: y_1(2)
-        real(wp), intent(in) :: part_2
-        real(wp), intent(in) :: x_2(2)
-        real(wp), intent(in) :: y_2(2)
+    !> Return the tangent of half the angle from a point to another one.
+    pure function half_tangent(x, y, u, v) result(tangent)
+        !> Coordinates of both points [mm]
+        real(wp), intent(in) :: x
+        real(wp), intent(in) :: y
+        real(wp), intent(in) :: u
+        real(wp), intent(in) :: v
         real(wp) :: tangent
 
-        real(wp) :: x, y, u, v
-
-        x = x_1(1) + part_1*(x_1(2) - x_1(1))
-        y = y_1(1) + part_1*(y_1(2) - y_1(1))
-        u = x_2(1) + part_2*(x_2(2) - x_2(1))
-        v = y_2(1) + part_2*(y_2(2) - y_2(1))
         tangent = (x*v - y*u)/max(sqrt((x**2 + y**2)*(u**2 + v**2)) + x*u + y*v, tiny(1.0_wp))
     end function half_tangent
 

@@ -277,7 +277,7 @@ contains
         zone%level_low = merge(even%level(1), pair%s_1, even%last > 0)
         zone%level_high = merge(even%level(2), pair%s_1, even%last > 0)
         call find_corners(scan, zone)
-        zone%curvature = sum_of_curvatures(facing, scan, pair, zone%corner)
+        zone%curvature = sum_of_curvatures(facing, scan%beside, pair, zone%corner)
         ! |P×n| = |P·t|, since n is t rotated by 90 degrees
         zone%lever = abs(dot_product(pair%point_1, pair%tangent_1))
         if (abs(zone%corner) == 1) zone%lever = abs(dot_product(pair%point_1, pair%tangent_2))

@@ -69,8 +69,8 @@ contains
             if (k < scan%first .or. k > scan%last) cycle
             call exact_pair(facing, scan, 0.5_wp*(pair%s_1 + scan%s_1(k)), &
                 & scan%segment(k), aside, met)
-            if (met) conforms = conforms .or. abs(sum_of_curvatures(facing, scan, &
-                & aside, 0)) <= flat/curve_length(facing%flank_1%curve)
+            if (met) conforms = conforms .or. abs(sum_of_curvatures(facing, &
+                & scan%beside, aside, 0)) <= flat/curve_length(facing%flank_1%curve)
         end do
     end function conforms_at
 
@@ -212,10 +212,11 @@ contains
 
     !> Return the sum of both curvatures at a pair [1/mm]; at a corner, that on the side of the
     !> root.
-    pure function sum_of_curvatures(facing, scan, pair, corner) result(curvature)
-        !> Flanks and their frames, and the circles of the scan
+    pure function sum_of_curvatures(facing, beside, pair, corner) result(curvature)
+        !> Flanks and their frames
         type(facing_type), intent(in) :: facing
-        type(scan_type), intent(in) :: scan
+        !> Distance from a corner at which curvatures are computed [mm]
+        real(wp), intent(in) :: beside
         !> Pair
         type(pair_type), intent(in) :: pair
         !> Body whose sharp corner the pair contains
@@ -224,8 +225,8 @@ contains
 
         real(wp) :: kappa_1, kappa_2, point(2), tangent(2), back_1, back_2
 
-        back_1 = merge(scan%beside, 0.0_wp, abs(corner) == 1)
-        back_2 = merge(scan%beside, 0.0_wp, abs(corner) == 2)
+        back_1 = merge(beside, 0.0_wp, abs(corner) == 1)
+        back_2 = merge(beside, 0.0_wp, abs(corner) == 2)
         call placed_point(facing%flank_1%curve, facing%frame_1, pair%s_1 - back_1, point, &
             & tangent, kappa_1)
         call placed_point(facing%flank_2%curve, facing%frame_2, pair%s_2 - back_2, point, &

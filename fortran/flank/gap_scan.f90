@@ -7,7 +7,7 @@ module flankload_gap_scan
     implicit none
     private
 
-    public :: scan_type
+    public :: beside_part, scan_type
     public :: scan_gaps
 
     !> Circles about O1 on which the gap between two flanks was computed.

@@ -8,7 +8,7 @@ module flankload_least_gap
     implicit none
     private
 
-    public :: exact_pair, walk_downhill
+    public :: exact_pair, place_tolerance, walk_downhill
 
     !> Accuracy of the arc length of the minimum, relative to the flank's length: the gap is
     !> stationary there, so that its error is of second order.

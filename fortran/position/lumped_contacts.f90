@@ -104,7 +104,7 @@ contains
 
         integer :: k, z, site
         logical :: found
-        real(wp) :: narrow
+        real(wp) :: narrow, before
 
         call reserve_pairs(pairs, size(system%of))
         if (has_friction(meshes)) then
@@ -115,6 +115,7 @@ contains
             z = system%of(k)
             site = position%zones(z)%site
             associate (zone => position%zones(z), place => system%places(z))
+                before = place%force
                 if (forces(z) > 0.0_wp) then
                     place%force = forces(z)
                 else
@@ -126,6 +127,8 @@ contains
                     & least_load_share*system%full(z))
                 place%is_narrow = place%force < narrow
                 place%force = max(place%force, narrow)
+                place%reach = max(0.5_wp*place%reach, place%reach &
+                    & + place%reach_slope*(place%force - before))
                 if (.not. any(place%reach > 0.0_wp)) then
                     place%reach = hertz_half_width(place%force, zone%curvature, &
                         & position%kernel(z), zone%flank_length)

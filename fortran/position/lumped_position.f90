@@ -262,10 +262,12 @@ contains
         !> True if there are neither
         logical, intent(out) :: complete
 
+        logical :: touches(size(included))
         real(wp) :: widest(size(meshes))
 
-        complete = .not. any(would_touch(position, forces, motion) .and. .not. included)
-        included = included .or. would_touch(position, forces, motion)
+        touches = would_touch(position, forces, motion)
+        complete = .not. any(touches .and. .not. included)
+        included = included .or. touches
         widest = widest_contacts(position, system, forces)
         where (widest <= position%most_half_width) widest = 0.0_wp
         if (.not. any(widest > 0.0_wp)) return

@@ -202,7 +202,7 @@ contains
                 ! the contact model covers the displacement due to forces on the same site; all
                 ! places of a free body (of motion NaN) are considered
                 touches(z) = ieee_is_nan(closed(z)) .or. zones(z)%lever*(position%gap(z) &
-                    & - closed(z)) + min(0.0_wp, sum(position%coupling(z, :)*forces, &
+                    & - closed(z)) + min(0.0_wp, sum(position%coupling(:, z)*forces, &
                     & mask=zones%site /= zones(z)%site)) < 0.0_wp
             end do
         end associate

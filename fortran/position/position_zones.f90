@@ -11,7 +11,8 @@ module flankload_position_zones
     use flankload_coarse_gap, only: coarse_gap
     use flankload_compliance_field, only: compliance_type
     use flankload_contact_pairs, only: closing_of
-    use flankload_contact_zones, only: find_zones, zone_type
+    use flankload_contact_zones, only: zone_type
+    use flankload_followed_zones, only: search_between, search_site, search_type
     use flankload_lumped_place, only: lumped_start
     use flankload_mesh, only: body_type, configuration_type, mesh_type, motion_type, rotation
     use flankload_motion_rows, only: closed_by_displacements, zone_rates
@@ -304,37 +305,29 @@ contains
         !> or none
         type(error_type), allocatable, intent(out) :: error
 
-        integer :: k, site, n_zones, before, slice
-        real(wp) :: closed_moment
-        logical :: lost, conforms
+        integer :: k, i, slice
+        type(search_type) :: search
 
-        associate (sides => sides_of(mesh))
-            allocate (found(max(max_zones, max_zones_per_site &
-                & *count(faces(first:first + mesh%n_sites - 1)))))
-            n_zones = 0
-            before = 0
-            closed_moment = closed_part*sum(bodies(mesh%bodies)%compliance%kernel) &
+        associate (sides => sides_of(mesh), facing => position%facing(first:first + mesh%n_sites &
+            & - 1), near => faces(first:first + mesh%n_sites - 1))
+            allocate (search%zones(max(max_zones, max_zones_per_site*count(near))))
+            search%at = spread([1, 0], 2, mesh%n_sites)
+            search%closed_moment = closed_part*sum(bodies(mesh%bodies)%compliance%kernel) &
                 & *moment_on_body_1(mesh, position%motions, loads)/count(sides > 0)
-            if (allocated(mesh%slices)) closed_moment = closed_moment/mean_width(mesh%slices)
-            do k = 1, mesh%n_sites
-                site = first + k - 1
-                if (.not. faces(site)) cycle
-                if (is_same_section(bodies, mesh, k) .and. faces(max(first, site - 1))) then
-                    call repeat_zones(site, before, found, n_zones)
-                    cycle
-                end if
-                before = n_zones
-                call find_zones(position%facing(site), site, closed_moment, found, n_zones, &
-                    & conforms, lost)
-                position%conforms = position%conforms .or. conforms
-                if (lost) then
-                    call fatal_error(error, code_circle_misses)
-                    return
-                end if
-            end do
-            if (n_zones > size(found)) call fatal_error(error, code_too_many_zones)
+            if (allocated(mesh%slices)) search%closed_moment = search%closed_moment &
+                & /mean_width(mesh%slices)
+            call search_slices(bodies, mesh, near, facing, search)
+            position%conforms = position%conforms .or. search%conforms
+            if (search%lost) then
+                call fatal_error(error, code_circle_misses)
+            else if (search%n > size(search%zones)) then
+                call fatal_error(error, code_too_many_zones)
+            end if
             if (allocated(error)) return
-            found = found(:n_zones)
+            associate (at => search%at)
+                found = search%zones([((i, i=at(1, k), at(2, k)), k=1, mesh%n_sites)])
+                found%site = [((first + k - 1, i=at(1, k), at(2, k)), k=1, mesh%n_sites)]
+            end associate
             found%side = sides(found%site - first + 1)
             if (.not. any(found%side > 0.0_wp)) then
                 call fatal_error(error, code_no_zone)
@@ -342,7 +335,7 @@ contains
                 call fatal_error(error, code_only_ends)
             end if
             if (allocated(error)) return
-            do k = 1, n_zones
+            do k = 1, size(found)
                 found(k)%body = mesh%bodies
                 found(k)%offset = mesh%offset + 1 - first
                 found(k)%flank_length = curve_length(position%facing(first)%flank_1%curve)
@@ -355,6 +348,56 @@ contains
             end do
         end associate
     end subroutine search_sites
+
+    !> Find the zones of the sites of a mesh: slices at the same angles share them.
+    pure subroutine search_slices(bodies, mesh, near, facing, search)
+        !> The bodies, and the mesh
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: mesh
+        !> True for sites to be searched, shape (sites)
+        logical, intent(in) :: near(:)
+        !> Flanks and their frames, shape (sites)
+        type(facing_type), intent(in) :: facing(:)
+        !> Zones
+        type(search_type), intent(inout) :: search
+
+        integer :: k, last
+
+        last = 0
+        do k = 1, mesh%n_sites
+            if (k <= last .or. .not. near(k)) cycle
+            if (is_same_section(bodies, mesh, k) .and. near(max(1, k - 1))) then
+                search%at(:, k) = search%at(:, k - 1)
+                cycle
+            end if
+            last = last_turned(bodies, mesh, near, k)
+            call search_site(facing, k, search)
+            if (last > k) call search_site(facing, last, search)
+            call search_between(facing, bodies(mesh%bodies(1))%site_angles(mesh%offset(1) + 1:), &
+                & k, last, search)
+        end do
+    end subroutine search_slices
+
+    !> Return the last of the slices that follow a site on the same flank pair at other angles, and
+    !> are to be searched.
+    pure function last_turned(bodies, mesh, faces, site) result(last)
+        !> The bodies, and the mesh
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: mesh
+        !> True for sites to be searched, shape (sites)
+        logical, intent(in) :: faces(:)
+        !> Number of the site in the mesh
+        integer, intent(in) :: site
+        integer :: last
+
+        last = site
+        if (.not. allocated(mesh%slices)) return
+        do while (last < mesh%n_sites)
+            if (.not. faces(last + 1) .or. is_same_section(bodies, mesh, last + 1) &
+                & .or. slice_of(mesh%slices, last + 1) == 1) return
+            last = last + 1
+        end do
+    end function last_turned
 
     !> Return the moment on body 1 of a mesh if it is known [N mm], else 0.
     pure function moment_on_body_1(mesh, motions, loads) result(moment)
@@ -450,27 +493,6 @@ contains
         end do
         same = .true.
     end function is_same_section
-
-    !> Append copies of the zones of the previous site for a site with the same frames.
-    pure subroutine repeat_zones(site, before, zones, n_zones)
-        !> The site
-        integer, intent(in) :: site
-        !> Number of zones before those of the previous site
-        integer, intent(inout) :: before
-        !> The zones, and their number
-        type(zone_type), intent(inout) :: zones(:)
-        integer, intent(inout) :: n_zones
-
-        integer :: last
-
-        last = n_zones
-        n_zones = last + (last - before)
-        if (n_zones <= size(zones)) then
-            zones(last + 1:n_zones) = zones(before + 1:last)
-            zones(last + 1:n_zones)%site = site
-        end if
-        before = last
-    end subroutine repeat_zones
 
     !> Return the gap angles with all deviations, shifts and known displacements [rad].
     pure function gaps_without_load(bodies, meshes, position, zones) result(gap)

@@ -155,8 +155,9 @@ contains
         !> The compliance
         type(compliance_type), intent(inout) :: compliance
 
+        integer :: k, place(2), sites(3)
         real(wp) :: ends(2), tip(3), strength(1)
-        real(wp), allocatable :: axial(:), block(:, :)
+        real(wp), allocatable :: axial(:)
 
         call take_few(record, part_mode_range, ends)
         compliance%s_low = ends(1)
@@ -171,8 +172,14 @@ contains
         call take_few(record, part_wedge, compliance%wedge)
         call take_few(record, part_wedge_along, compliance%wedge_along)
         call take(record, part_smooth, compliance%smooth)
-        call take(record, part_block, block)
-        compliance%block = nint(block)
+        place = place_in(record, part_block)
+        sites = shape_in(record, part_block)
+        allocate (compliance%block(sites(1), sites(2)))
+        ! whole numbers above 0, of which there are many
+        do k = 1, sites(2)
+            compliance%block(:, k) = int(0.5_wp + record(place(1) + (k - 1)*sites(1): &
+                & place(1) + k*sites(1) - 1))
+        end do
         call take(record, part_nodes, compliance%nodes)
         call take(record, part_tangential, compliance%tangential)
         strength = 0.0_wp

@@ -15,7 +15,7 @@ module flankload_zone_influence
     use flankload_lumped_hertz, only: hertz_half_width, least_half_width, usual_half_width
     use flankload_lumped_place, only: reach_of
     use flankload_mesh, only: body_type, has_friction, mesh_type
-    use flankload_mode_field, only: add_mode_slopes, add_modes, places_type
+    use flankload_mode_field, only: add_products, places_type
     use flankload_near_field, only: image_displacement, image_type, near_field_between, new_image
     use flankload_polar_geometry, only: part_in_section
     use flankload_position_zones, only: position_type
@@ -51,7 +51,7 @@ contains
         allocate (position%images(2, n))
         do b = 1, size(bodies)
             places(b) = places_at_zones(b, bodies(b), meshes, position%zones)
-            call couple_body(b, bodies(b:b)%compliance, places(b:b), position, alone, kernel)
+            call couple_body(b, bodies(b)%compliance, places(b), position, alone, kernel)
         end do
         position%kernel = kernel(1, :) + kernel(2, :)
         call add_contributions([contribution_type(alone=add_shaft), &
@@ -101,12 +101,12 @@ contains
 
     !> Add the displacements of a body by its modes or tables to the lower triangle, and set near
     !> field and images of its zones.
-    pure subroutine couple_body(b, bodies, places, position, alone, kernel)
+    pure subroutine couple_body(b, body, own, position, alone, kernel)
         !> Number of the body
         integer, intent(in) :: b
-        !> Its compliance, and its places, shape (1)
-        type(compliance_type), intent(in) :: bodies(:)
-        type(places_type), intent(in) :: places(:)
+        !> Its compliance, and its places
+        type(compliance_type), intent(in) :: body
+        type(places_type), intent(in) :: own
         !> The position
         type(position_type), intent(inout) :: position
         !> Compliance of each body at the zones without near field and coupling, and factor of its
@@ -118,14 +118,14 @@ contains
         real(wp) :: before(size(position%zones))
         type(image_type) :: image
 
-        associate (body => bodies(1), own => places(1), zones => position%zones)
+        associate (zones => position%zones)
             before = [(position%smooth(z, z), z=1, size(zones))]
             if (allocated(body%nodes)) then
                 position%smooth(own%of, own%of) = position%smooth(own%of, own%of) &
                     & + table_remainder(body, own%site, own%s)
             else
-                call add_modes(bodies, places, size(zones), position%smooth)
-                call add_mode_slopes(body, own, mode_slopes(b, body, zones, own), position%slopes)
+                call add_products(body, body%smooth, own, own%of, mode_slopes(b, body, zones, &
+                    & own), size(zones), position%slopes, position%smooth)
             end if
             do i = 1, size(own%of)
                 z = own%of(i)

@@ -1,19 +1,20 @@
-!> Test of the lower bound of the gap by which slices are selected: no zone of random involute
-!> flanks with sharp or rounded tips has a smaller gap. A failed test stops the program with an
-!> error.
+!> Tests of the zones of slices, on random involute flanks with sharp or rounded tips: none has a
+!> smaller gap than the lower bound by which slices are selected, and those that follow from other
+!> slices are those of a search. A failed test stops the program with an error.
 program test_coarse_gap
     use flankload, only: wp
     use flankload_coarse_gap, only: coarse_gap
     use flankload_flank_curve, only: flank_curve_type, new_flank_curve, new_frame
     use flankload_circle_pair, only: facing_type, flank_type, new_flank
     use flankload_contact_zones, only: find_zones, zone_type
+    use flankload_followed_zones, only: search_between, search_site, search_type
     implicit none
 
     integer, parameter :: n_pairs = 40, n_places = 60
     real(wp), parameter :: half_turn = acos(-1.0_wp)
     !> Several times the gap that loads close [rad]
     real(wp), parameter :: leaning = 0.02_wp
-    integer :: i, k, n_zones, n_seen, n_far
+    integer :: i, k, n_zones, n_seen, n_far, n_followed
     real(wp) :: bases(2), rounding(2), distance, bound, least, turn, draws(8)
     logical :: conforms, lost
     type(flank_type), target :: flank_1, flank_2
@@ -26,6 +27,7 @@ program test_coarse_gap
     call random_seed(put=seed)
     n_seen = 0
     n_far = 0
+    n_followed = 0
     do i = 1, n_pairs
         call random_number(draws)
         bases = 20.0_wp + 60.0_wp*draws(:2)
@@ -58,11 +60,64 @@ program test_coarse_gap
                 call stop_with('a bound far from the gap')
             end if
         end do
+        call random_number(draws)
+        call follow_slices(0.6_wp*(draws(1) - 0.5_wp), 0.05_wp + 0.25_wp*draws(2), &
+            & 0.06_wp*(draws(3) - 0.5_wp))
     end do
+    if (n_followed < 2*n_pairs) call stop_with('too few zones follow')
     if (n_seen < n_pairs*n_places/4 .or. n_far == 0) call stop_with('too few zones')
     print '(a)', 'all passed'
 
 contains
+
+    !> Zones of slices at other angles, of which a few are searched, are those of a search of each.
+    subroutine follow_slices(first, turned, apart)
+        !> Angle of body 1 in the first slice, the angle from there to the last slice, and the angle
+        !> by which body 2 is turned away [rad]
+        real(wp), intent(in) :: first
+        real(wp), intent(in) :: turned
+        real(wp), intent(in) :: apart
+
+        integer, parameter :: n = 17
+        !> Of the place [mm] and the gap [rad] of a minimum
+        real(wp), parameter :: same(2) = [1.0e-8_wp, 1.0e-13_wp]
+        integer :: j
+        real(wp) :: angles(n), apart_by(3)
+        type(facing_type) :: slices(n)
+        type(search_type) :: one_by_one, search
+
+        angles = first + turned*[(j, j=0, n - 1)]/(n - 1)
+        do j = 1, n
+            slices(j)%flank_1 => flank_1
+            slices(j)%flank_2 => flank_2
+            slices(j)%frame_1 = new_frame([0.0_wp, 0.0_wp], angles(j))
+            slices(j)%frame_2 = new_frame([distance, 0.0_wp], half_turn - angles(j)*bases(1) &
+                & /bases(2) + apart)
+        end do
+        allocate (search%zones(8*n), search%at(2, n))
+        one_by_one = search
+        do j = 1, n
+            call search_site(slices, j, one_by_one)
+        end do
+        call search_site(slices, 1, search)
+        call search_site(slices, n, search)
+        call search_between(slices, angles, 1, n, search)
+        if (search%n /= one_by_one%n) call stop_with('another number of zones')
+        do j = 1, n
+            associate (some => search%zones(search%at(1, j):search%at(2, j)), &
+                & all_of => one_by_one%zones(one_by_one%at(1, j):one_by_one%at(2, j)))
+                if (size(some) /= size(all_of)) call stop_with('another number of zones of a slice')
+                if (any(some%corner /= all_of%corner)) call stop_with('another corner')
+                apart_by = [maxval(abs(some%nearest%s_1 - all_of%nearest%s_1)), &
+                    & maxval(abs(some%s_1_low - all_of%s_1_low)), &
+                    & maxval(abs(some%s_1_high - all_of%s_1_high))]
+                if (any(apart_by > same(1))) call stop_with('another place')
+                apart_by(1) = maxval(abs(some%gap_angle - all_of%gap_angle))
+                if (apart_by(1) > same(2)) call stop_with('another gap')
+                n_followed = n_followed + count(abs(some%nearest%s_2 - all_of%nearest%s_2) > 0.0_wp)
+            end associate
+        end do
+    end subroutine follow_slices
 
     !> Return an involute between two roll angles with a rounded or sharp tip.
     function involute(base, first, last, radius) result(curve)

@@ -57,9 +57,14 @@ _FORTRAN = (
     *_in(
         "line_potential.f90",
         "core",
-        ("(2.0_wp*distance**2 - across)", "(2.0_wp*distance**2 + across)"),
+        ("(3.0_wp*c - 1.0_wp)", "(3.0_wp*c + 1.0_wp)"),
         ("half_difference = 0.5_wp*(length - other)", "half_difference = 0.5_wp*(length + other)"),
         ("slope = -2.0_wp/", "slope = -1.0_wp/"),
+    ),
+    *_in(
+        "followed_zones.f90",
+        "core",
+        ("zone%s_1_high = pair%s_1", "zone%s_1_high = others(1)%s_1_high"),
     ),
     *_in(
         "tangential_potential.f90",
