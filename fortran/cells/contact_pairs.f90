@@ -38,7 +38,7 @@ module flankload_contact_pairs
         !> length [rad], shape (2, n); nonzero at an edge, where the force has the normal of the
         !> other flank
         real(wp), allocatable :: turn(:, :)
-        !> The same rotation if the contact extends over the tip of that flank, else 0
+        !> The same rotation if the contact extends over the tip of either flank, else 0
         real(wp), allocatable :: corner_turn(:, :)
         !> Points of flank 1 [mm] and directions of the force on body 2 (out of body 1),
         !> shape (2, n)
@@ -202,7 +202,7 @@ contains
         pairs%n = i
         pairs%turn(:, i) = [angle_between(normals(:, 1), own(:, 1)), &
             & angle_between(normals(:, 2), own(:, 2))]
-        if (.not. is_level(zone)) pairs%corner_turn(:, i) = merge(pairs%turn(:, i), 0.0_wp, over)
+        if (any(over) .and. .not. is_level(zone)) pairs%corner_turn(:, i) = pairs%turn(:, i)
         pairs%site(i) = zone%site
         pairs%s_1(i) = pair%s_1
         pairs%s_2(i) = pair%s_2

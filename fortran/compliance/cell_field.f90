@@ -21,7 +21,7 @@ module flankload_cell_field
     implicit none
     private
 
-    public :: add_cells, add_sliding, mirror
+    public :: add_cells, add_sliding, corner_cells, mirror
 
     !> Consecutive pairs: the cells of one zone.
     type :: run_type
@@ -54,6 +54,23 @@ contains
             & [corner_mirrors(body_1, 1, body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], &
             & pairs, matrix)
     end subroutine add_cells
+
+    !> Return the displacements of cells under images of unit forces behind corners [mm/N].
+    pure function corner_cells(corners, segments, range, pairs) result(matrix)
+        !> Images behind corners
+        type(mirror_type), intent(in) :: corners(:)
+        !> As in add_cells
+        type(segment_type), intent(in) :: segments(:)
+        integer, intent(in) :: range(2)
+        type(pairs_type), intent(in) :: pairs
+        !> Symmetric, lower triangle, of all pairs
+        real(wp), allocatable :: matrix(:, :)
+
+        type(mirror_type) :: no_ends(0)
+
+        allocate (matrix(pairs%n, pairs%n), source=0.0_wp)
+        call add_fields(runs_of(pairs, range, segments), no_ends, corners, pairs, matrix)
+    end function corner_cells
 
     !> Add near fields and images to the lower triangle of a matrix.
     pure subroutine add_fields(runs, ends, corners, pairs, matrix)

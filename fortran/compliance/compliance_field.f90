@@ -48,9 +48,9 @@ module flankload_compliance_field
         logical :: closed = .false.
         !> Smooth part between modes [mm/N], shape (n_modes, n_modes, n_blocks)
         real(wp), allocatable :: smooth(:, :, :)
-        !> Displacement as modes under a unit force along the flank at its sharp end s_high, towards
-        !> increasing arc length [mm/N], shape (n_modes, n_blocks); allocated if forces turn there
-        real(wp), allocatable :: turned(:, :)
+        !> Smooth part for as many modes of load along the flank, towards increasing arc length
+        !> [mm/N], shape (n_modes, n_modes, n_blocks); allocated if forces turn over tips
+        real(wp), allocatable :: turned(:, :, :)
         !> Smooth part for modes of load along the flank [mm/N],
         !> shape (n_modes, n_tangential, n_blocks); not allocated without friction
         real(wp), allocatable :: tangential(:, :, :)

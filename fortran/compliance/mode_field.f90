@@ -18,9 +18,9 @@ module flankload_mode_field
         integer, allocatable :: site(:), flank(:)
         !> Arc lengths, and widths of the cells there [mm], shape (n)
         real(wp), allocatable :: s(:), cell(:)
-        !> Rotation of the forces from the normals of the flank towards increasing arc length, and
-        !> that over its sharp tip [rad], shape (n)
-        real(wp), allocatable :: turn(:), corner_turn(:)
+        !> Rotation of the forces from the normals of the flank towards increasing arc length [rad],
+        !> and part of a unit force along the flank where its direction turns, shape (n)
+        real(wp), allocatable :: turn(:), along(:)
         !> Ends of their slices along the face width [mm], shape (2, n); not allocated in the plane
         real(wp), allocatable :: edges(:, :)
         !> Values of the modes, shape (n_modes, n); no modes for a body with tables between nodes

@@ -17,7 +17,7 @@ module flankload_slice_field
     private
 
     public :: mirror_type, segment_type, shaft_type, slices_type
-    public :: across_lines, add_segment_field, along_line, axial_means, corner_mirrors, &
+    public :: across_lines, add_segment_field, along_line, axial_means, corner_field, corner_mirrors, &
         & end_mirrors, holds_slices, mean_width, middle_of, modes_of, slice_of, tangential_field, &
         & width_of
 
@@ -343,6 +343,28 @@ contains
             end do
         end do
     end function tangential_field
+
+    !> Return the displacements of segments under images of unit forces behind free corners [mm/N].
+    pure function corner_field(segments, corners, beside) result(matrix)
+        !> Contact line segments, those of a flank pair adjacent, shape (n)
+        type(segment_type), intent(in) :: segments(:)
+        !> Images behind corners
+        type(mirror_type), intent(in) :: corners(:)
+        !> Distance by which a load is spread to the side of its line [mm], above 0
+        real(wp), intent(in) :: beside
+        !> Symmetric, lower triangle, shape (n, n)
+        real(wp) :: matrix(size(segments), size(segments))
+
+        integer :: i, j, last
+
+        matrix = 0.0_wp
+        do j = 1, size(segments)
+            last = last_of_flank(segments, j)
+            call add_behind_corners(segments(j:last), segments(j), &
+                & [(along_line(1, segments(i), segments(j), corners), i=j, last)], beside, &
+                & corners, matrix(j:last, j))
+        end do
+    end function corner_field
 
     !> Return the distance along their contact line between a segment and the load of another one (k
     !> = 1), or its image behind an end face [mm].

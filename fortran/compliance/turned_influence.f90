@@ -1,77 +1,82 @@
-!> Influence coefficients of forces that turn over a sharp corner.
+!> Influence coefficients of forces that are not normal to the flank of the elements.
 !>
-!> The force between a corner and the mating flank has the mean of both normals. It is turned by d
-!> from the normal of the corner's own flank, and so is the direction of the displacement: with
-!> C_nt = n.u for a unit force along t, n' = n cos d + t sin d and
-!> K_ij = C_nn + sin d_i C_tn + sin d_j C_nt, to the first order in d. Modes and the mirror image
-!> behind the corner, -c0 psi_nt ln(d + d'), represent C_nt; the jump of the half-plane cancels.
+!> The force between a sharp corner and the mating flank has the mean of both normals. It is turned
+!> by d from the normal of either flank, and so is the direction of the displacement: with C_nt =
+!> n.u for a unit force along t, n' = n cos d + t sin d and K_ij = C_nn + sin d_i C_tn +
+!> sin d_j C_nt, to the first order in d. Modes and mirror images behind free corners, -c0 psi_nt
+!> ln(d + d'), represent C_nt; the field of the half-plane cancels between forces turned alike.
 module flankload_turned_influence
     use flankload_kinds, only: wp
-    use flankload_compliance_field, only: compliance_type, last_of_site, mode_values
-    use flankload_near_field, only: images_along
+    use flankload_compliance_field, only: compliance_type, last_of_site
+    use flankload_lapack, only: set_product
+    use flankload_mode_field, only: places_type
     implicit none
     private
 
-    public :: add_turned
+    public :: add_turned_images, add_turned_modes
 
 contains
 
-    !> Add the displacements of one body due to turned forces on its sharp corner.
-    pure subroutine add_turned(body, site, s, cell, turn, matrix)
+    !> Add the displacements by modes of one body due to turned forces.
+    pure subroutine add_turned_modes(body, places, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
-        !> Site of each pair, those of a site adjacent, its arc length on the flank and the width of
-        !> its cell [mm], and the rotation of its force from the normal of the flank towards
-        !> increasing arc length [rad], shape (n)
-        integer, intent(in) :: site(:)
-        real(wp), intent(in) :: s(:)
-        real(wp), intent(in) :: cell(:)
-        real(wp), intent(in) :: turn(:)
+        !> Places of the body, those of a flank adjacent
+        type(places_type), intent(in) :: places
         !> K [mm/N], shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: first, last, i, j
-        logical :: turns(size(s))
-        real(wp) :: one, two, values(size(s), size(body%smooth, 1))
-        real(wp), dimension(size(s)) :: sine, modes, along
-        real(wp), allocatable :: images(:, :)
+        integer :: k, m, n, first, last, row, row_last
+        integer, allocatable :: at(:)
+        real(wp), allocatable :: loads(:, :), displaced(:, :), part(:, :)
 
-        if (.not. allocated(body%turned)) return
-        turns = abs(turn) > 0.0_wp
-        if (.not. any(turns)) return
-        sine = 0.0_wp
-        do i = 1, size(s)
-            if (turns(i)) sine(i) = sin(turn(i))
-        end do
-        values = mode_values(body, s)
+        n = size(places%of)
+        m = size(body%turned, 1)
         last = 0
-        do while (last < size(s))
+        do while (last < n)
             first = last + 1
-            last = last_of_site(site, first)
-            if (.not. any(turns(first:last))) cycle
-            ! Displacement by modes is the same for all forces of the site.
-            do j = 1, size(s)
-                modes(j) = dot_product(values(j, :), &
-                    & body%turned(:, body%block(site(first), site(j))))
+            last = last_of_site(places%flank, first)
+            at = pack([(k, k=first, last)], abs(places%along(first:last)) > 0.0_wp)
+            if (size(at) == 0) cycle
+            loads = places%values(:, at)*spread(places%along(at), 1, m)
+            allocate (displaced(m, size(at)), part(n, size(at)))
+            row_last = 0
+            do while (row_last < n)
+                row = row_last + 1
+                row_last = last_of_site(places%flank, row)
+                call set_product(m, size(at), m, transpose(body%turned(:, :, &
+                    & body%block(places%site(row), places%site(first)))), loads, m, displaced)
+                call set_product(row_last - row + 1, size(at), m, places%values(:, row:row_last), &
+                    & displaced, n, part(row, 1))
             end do
-            do i = first, last
-                if (.not. turns(i)) cycle
-                along = sine(i)*modes
-                along(first:last) = 0.0_wp
-                matrix(:, i) = matrix(:, i) + along
-                matrix(i, :) = matrix(i, :) + along   ! Betti
+            do k = 1, size(at)
+                matrix(:, at(k)) = matrix(:, at(k)) + part(:, k)
+                matrix(at(k), :) = matrix(at(k), :) + part(:, k)   ! Betti
             end do
-            images = images_along(body, s(first:last), cell(first:last))   ! Eq. (W3)
-            do j = first, last
-                do i = j, last
-                    if (.not. (turns(i) .or. turns(j))) cycle
-                    one = sine(j)*(modes(i) + images(i - first + 1, j - first + 1))
-                    two = sine(i)*(modes(j) + images(i - first + 1, j - first + 1))
-                    matrix(i, j) = matrix(i, j) + one + two
-                    if (i /= j) matrix(j, i) = matrix(j, i) + one + two
-                end do
+            deallocate (displaced, part)
+        end do
+    end subroutine add_turned_modes
+
+    !> Add the displacements due to images behind free corners of the parts of forces along a flank
+    !> [mm/N], Eq. (W3).
+    pure subroutine add_turned_images(along, images, matrix)
+        !> Parts of the forces along the flank of its adjacent places, shape (m)
+        real(wp), intent(in) :: along(:)
+        !> Displacements by unit forces along the flank, symmetric, lower triangle, shape (m, m)
+        real(wp), intent(in) :: images(:, :)
+        !> K of these places [mm/N], shape (m, m)
+        real(wp), intent(inout) :: matrix(:, :)
+
+        integer :: i, j
+        real(wp) :: both
+
+        do j = 1, size(along)
+            do i = j, size(along)
+                both = (along(i) + along(j))*images(i, j)
+                matrix(i, j) = matrix(i, j) + both
+                if (i /= j) matrix(j, i) = matrix(j, i) + both
             end do
         end do
-    end subroutine add_turned
+    end subroutine add_turned_images
 
 end module flankload_turned_influence

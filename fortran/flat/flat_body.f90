@@ -112,10 +112,9 @@ end subroutine flankload_pack_body
 !> |                     | sections, their deviations those of the slice in the transverse plane.  |
 !> |                     | With friction, the numbers of modes along the flank and along the       |
 !> |                     | normal are equal, and the unit of the jump is mm²/N                     |
-!> | fl_part_turned      | (n_modes, n_blocks): displacement out of the material, as modes, under  |
-!> |                     | a unit force along the flank at its sharp tip, towards increasing arc   |
-!> |                     | length [mm/N]; forces over that corner turn halfway to the normal of    |
-!> |                     | the mating flank                                                        |
+!> | fl_part_turned      | (n_modes, n_modes, n_blocks): as fl_part_tangential, for forces that    |
+!> |                     | turn: over a sharp tip of either body, they have the mean of the        |
+!> |                     | normals of both flanks                                                  |
 !> | fl_part_wedge_along | (2): as fl_part_wedge, for the displacement along the normal under a    |
 !> |                     | force along the flank                                                   |
 !> | fl_part_shaft       | (37), of either body of a pair in slices: displacements and rotations   |

@@ -48,7 +48,8 @@ contains
                 places%s(i) = merge(pairs%s_1(k), pairs%s_2(k), at == 1)
                 places%cell(i) = merge(pairs%cell_1(k), pairs%cell_2(k), at == 1)
                 places%turn(i) = pairs%turn(at, k)
-                places%corner_turn(i) = pairs%corner_turn(at, k)
+                if (allocated(body%compliance%turned)) places%along(i) = &
+                    & zone%cosine*sin(pairs%corner_turn(at, k))
                 if (allocated(body%support)) then
                     fixed = in_fixed_frame(meshes(zone%mesh), 1.0_wp, pairs%closing(:, :, k))
                     places%on_support(:, i) = pairs%lever(k)*fixed(:, at)
@@ -87,7 +88,8 @@ contains
                 ! images of forces along the flank are at least this width away
                 places%cell(i) = 2.0_wp*usual_half_width*zone%flank_length
                 places%turn(i) = 0.0_wp
-                places%corner_turn(i) = corner_turn(body%compliance%s_high, places%s(i), zone, at)
+                if (allocated(body%compliance%turned)) places%along(i) = &
+                    & zone%cosine*sin(corner_turn(zone, at))
                 if (allocated(body%support)) then
                     fixed = in_fixed_frame(meshes(zone%mesh), zone%side, zone%closing)
                     places%on_support(:, i) = zone%lever*fixed(:, at)
@@ -114,7 +116,8 @@ contains
         type(places_type), intent(inout) :: places
 
         allocate (places%site(n), places%flank(n), places%s(n), places%cell(n), places%turn(n), &
-            & places%corner_turn(n), places%edges(2, n))
+            & places%edges(2, n))
+        allocate (places%along(n), source=0.0_wp)
         if (allocated(body%support)) allocate (places%on_support(3, n))
         if (allocated(body%shaft)) allocate (places%on_shaft(6, n), places%along_shaft(6, n))
     end subroutine reserve_places
@@ -200,21 +203,25 @@ contains
 
     end function mode_slopes
 
-    !> Return the angle by which the force at a sharp tip of a body is turned from the normal of its
-    !> flank towards increasing arc length [rad]: halfway to the normal of the other flank. Away
-    !> from corners, both flanks have the same normal at the point of least gap.
-    pure function corner_turn(s_high, s, zone, member) result(turn)
-        !> Arc lengths at the end of the flank's modes, and of the point of least gap [mm]
-        real(wp), intent(in) :: s_high
-        real(wp), intent(in) :: s
+    !> Return the angle by which the force on a sharp tip is turned from the normal of a flank
+    !> towards increasing arc length [rad]: halfway to the normal of the other flank. Away from
+    !> corners, both flanks have the same normal at the point of least gap.
+    pure function corner_turn(zone, member) result(turn)
         !> The zone
         type(zone_type), intent(in) :: zone
         !> Flank, 1 or 2
         integer, intent(in) :: member
         real(wp) :: turn
 
+        !> Largest distance from the end of the zone [mm]
+        real(wp) :: near
+
         turn = 0.0_wp
-        if (zone%corner /= member .or. s < s_high*(1.0_wp - tie)) return
+        if (zone%corner <= 0) return
+        ! the tip of flank 1 is the upper end of the zone, that of flank 2 the lower one
+        near = tie*zone%flank_length
+        if (zone%corner == 1 .and. zone%nearest%s_1 < zone%s_1_high - near) return
+        if (zone%corner == 2 .and. zone%nearest%s_1 > zone%s_1_low + near) return
         ! body 1 rotates by the gap angle until both touch; tangents point to either tip
         associate (nearest => zone%nearest)
             turn = 0.5_wp*angle_between(turned(nearest%tangent_1, nearest%gap_angle), &

@@ -132,7 +132,7 @@ contains
         case (part_tilt)
             extents(1) = 3
         case (part_turned)
-            extents(:2) = [n%modes, n%blocks]
+            extents = [n%modes, n%modes, n%blocks]
         case (part_shaft)
             extents(1) = 37
         case (part_sections)

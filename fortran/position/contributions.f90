@@ -8,7 +8,9 @@ module flankload_contributions
     use flankload_mesh, only: body_type, mesh_type
     use flankload_mode_field, only: add_tangential_modes, places_type
     use flankload_tangential_influence, only: add_tangential
-    use flankload_turned_influence, only: add_turned
+    use flankload_compliance_field, only: last_of_site
+    use flankload_near_field, only: images_along
+    use flankload_turned_influence, only: add_turned_images, add_turned_modes
     implicit none
     private
 
@@ -161,15 +163,26 @@ contains
         if (.not. allocated(places%edges)) call add_strips(body%compliance, places, matrix)
     end subroutine near_field
 
-    !> Forces that turn over a sharp tip; bodies with tables between nodes have no response to them.
+    !> Forces that turn over a sharp tip, in slices without their images.
     pure subroutine turned_forces(body, places, matrix)
         !> As in of_body
         type(body_type), intent(in) :: body
         type(places_type), intent(in) :: places
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        if (.not. allocated(places%edges)) call add_turned(body%compliance, places%site, places%s, &
-            & places%cell, places%corner_turn, matrix)
+        integer :: first, last
+
+        if (.not. any(abs(places%along) > 0.0_wp)) return
+        call add_turned_modes(body%compliance, places, matrix)
+        if (allocated(places%edges)) return
+        last = 0
+        do while (last < size(places%of))
+            first = last + 1
+            last = last_of_site(places%site, first)
+            if (any(abs(places%along(first:last)) > 0.0_wp)) call add_turned_images( &
+                & places%along(first:last), images_along(body%compliance, places%s(first:last), &
+                & places%cell(first:last)), matrix(first:last, first:last))
+        end do
     end subroutine turned_forces
 
     !> Tangential forces: all of their field in the plane, Eqs. (14), (15), modes in slices.

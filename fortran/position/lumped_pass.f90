@@ -16,7 +16,7 @@ module flankload_lumped_pass
     use flankload_motion_rows, only: closed_by_motions, rates_of, solve_motions
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state, take_contact
-    use flankload_zone_influence, only: add_other_influences
+    use flankload_zone_influence, only: couple_friction
     implicit none
     private
 
@@ -81,8 +81,7 @@ contains
         if (allocated(system%tangential)) deallocate (system%tangential)
         if (allocated(system%released)) deallocate (system%released)
         allocate (system%tangential(n, merge(n, 0, has_friction(meshes))))
-        call add_other_influences(bodies, meshes, position%zones(system%of), system%coupling, &
-            & system%tangential)
+        call couple_friction(bodies, meshes, position%zones(system%of), system%tangential)
     end subroutine couple
 
     !> Linearize the equations about the last forces, and solve them by the contact loop.

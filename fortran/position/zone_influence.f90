@@ -20,13 +20,15 @@ module flankload_zone_influence
     use flankload_polar_geometry, only: part_in_section
     use flankload_position_zones, only: position_type
     use flankload_shaft_influence, only: add_carrier, add_shaft, slide_shaft
-    use flankload_slice_field, only: add_segment_field, segment_type, tangential_field
+    use flankload_slice_field, only: add_segment_field, corner_field, corner_mirrors, &
+        & segment_type, tangential_field
     use flankload_support_influence, only: add_support
     use flankload_tabled_influence, only: table_remainder
+    use flankload_turned_influence, only: add_turned_images
     implicit none
     private
 
-    public :: add_other_influences, couple_zones, half_width_of, load_slices, segments_of, &
+    public :: couple_friction, couple_zones, half_width_of, load_slices, segments_of, &
         & widen_slices
 
 contains
@@ -55,8 +57,10 @@ contains
         end do
         position%kernel = kernel(1, :) + kernel(2, :)
         call add_contributions([contribution_type(alone=add_shaft), &
-            & contribution_type(alone=add_support), contribution_type(together=add_carrier)], &
-            & bodies, meshes, position%zones, none, places, position%smooth)
+            & contribution_type(alone=add_support), contribution_type(together=add_carrier), &
+            & contribution_type(alone=turned_forces), &
+            & contribution_type(together=turned_segments)], bodies, meshes, position%zones, none, &
+            & places, position%smooth)
         call mirror(position%smooth)
         position%coupling = position%smooth
         allocate (position%most_half_width(size(meshes)), source=huge(1.0_wp))
@@ -170,20 +174,17 @@ contains
         end do
     end subroutine add_far_fields
 
-    !> Add turned forces to the compliance between some of the zones, and compute the compliance
-    !> under forces along their flanks.
+    !> Compute the compliance between some of the zones under forces along their flanks.
     !>
     !> The force on body 1 acts towards increasing arc length of flank 1, that on body 2 towards
     !> increasing arc length of flank 2: in both bodies, the normal displacement is minus the
     !> displacement out of the material.
-    pure subroutine add_other_influences(bodies, meshes, zones, coupling, tangential)
+    pure subroutine couple_friction(bodies, meshes, zones, tangential)
         !> The bodies, and their meshes
         type(body_type), intent(in) :: bodies(:)
         type(mesh_type), intent(in) :: meshes(:)
         !> These zones
         type(zone_type), intent(in) :: zones(:)
-        !> Compliance between them [mm/N], shape (n, n)
-        real(wp), contiguous, intent(inout) :: coupling(:, :)
         !> Normal displacement at zone i per unit force along flank 1 at j [mm/N], shape (n, n);
         !> (n, 0) without friction
         real(wp), contiguous, intent(out) :: tangential(:, :)
@@ -193,18 +194,15 @@ contains
         type(pairs_type) :: none
 
         tangential = 0.0_wp
-        ! forces turn at corners only
-        if (.not. (has_friction(meshes) .or. any(zones%corner > 0))) return
+        if (.not. has_friction(meshes)) return
         do b = 1, size(bodies)
             places(b) = places_at_zones(b, bodies(b), meshes, zones)
         end do
-        call add_contributions([contribution_type(alone=turned_forces)], bodies, meshes, zones, &
-            & none, places, coupling)
-        if (has_friction(meshes)) call add_contributions([contribution_type(alone=friction), &
+        call add_contributions([contribution_type(alone=friction), &
             & contribution_type(together=friction_of_segments), &
             & contribution_type(alone=slide_shaft)], bodies, meshes, zones, none, places, &
             & tangential)
-    end subroutine add_other_influences
+    end subroutine couple_friction
 
     !> Near field of unit forces along the flanks in slices, Eq. (S4) of docs/theory/slices.md.
     pure subroutine friction_of_segments(bodies, meshes, zones, pairs, places, matrix)
@@ -229,6 +227,37 @@ contains
             end associate
         end do
     end subroutine friction_of_segments
+
+    !> Images behind free corners of the parts of forces along the flanks in slices, Eq. (S4).
+    pure subroutine turned_segments(bodies, meshes, zones, pairs, places, matrix)
+        !> As in between_bodies; there are no pairs
+        type(body_type), intent(in) :: bodies(:)
+        type(mesh_type), intent(in) :: meshes(:)
+        type(zone_type), intent(in) :: zones(:)
+        type(pairs_type), intent(in) :: pairs
+        type(places_type), intent(in) :: places(:)
+        real(wp), contiguous, intent(inout) :: matrix(:, :)
+
+        integer :: m, at, b, range(2)
+        real(wp) :: along(size(zones))
+
+        do m = 1, size(meshes)
+            range = zones_of(m, zones)
+            if (.not. allocated(meshes(m)%slices) .or. range(2) < range(1)) cycle
+            do at = 1, 2
+                b = meshes(m)%bodies(at)
+                if (.not. any(abs(places(b)%along) > 0.0_wp)) cycle
+                along(places(b)%of) = places(b)%along
+                associate (first => range(1), last => range(2), body => bodies(b)%compliance)
+                    call add_turned_images(along(first:last), corner_field( &
+                        & segments_of(zones(first:last), meshes(m)%sense), &
+                        & corner_mirrors(body, at, body%wedge_along), &
+                        & 0.5_wp*usual_half_width*zones(first)%flank_length), &
+                        & matrix(first:last, first:last))
+                end associate
+            end do
+        end do
+    end subroutine turned_segments
 
     !> Return the first and the last zone of a mesh.
     pure function zones_of(m, zones) result(range)

@@ -28,7 +28,7 @@ COUNTERS = {
     "unit_loads_nodal": "load case of a flank that is a force at a node",
     "fe_load_cases_growth": "load case of the expansion of a body",
     "coast_readings": "solution for a load on a coast flank",
-    "corner_readings": "solution for the displacement of a sharp tip along its flank",
+    "corner_readings": "load case along a flank for forces that turn over sharp tips alone",
     "bore_reactions": "solution for a reaction on a bore whose mean motion is held",
     "stress_recoveries": "solution for a place of stress in a root fillet",
     "states": "position under a torque",

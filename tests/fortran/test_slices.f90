@@ -14,7 +14,7 @@ program test_slices
     use flankload_slice_field, only: add_segment_field, along_line, axial_means, middle_of, &
         & mirror_type, modes_of, segment_type, slice_of, tangential_field, width_of
     use flankload_tangential_potential, only: rectangle_field, segment_field
-    use flankload_zone_influence, only: add_other_influences, couple_zones
+    use flankload_zone_influence, only: couple_friction, couple_zones
     implicit none
 
     !> Kind of numbers with twice the digits
@@ -503,7 +503,7 @@ contains
             end associate
         end do
         call couple_zones(bodies, meshes, position)
-        call add_other_influences(bodies, meshes, position%zones, position%coupling, tangential)
+        call couple_friction(bodies, meshes, position%zones, tangential)
         matrix = 0.0_wp
         rubbed = 0.0_wp
         do z = 1, 2

@@ -158,6 +158,16 @@ _FORTRAN = (
         ("if (member == 2) n = -n", "if (member == 2) n = n"),
     ),
     *_in(
+        "turned_influence.f90",
+        "physics/test_corner_image.py",
+        ("matrix(at(k), :) = matrix(at(k), :) + part(:, k)   ! Betti", "continue"),
+    ),
+    *_in(
+        "body_places.f90",
+        "physics/test_corner_image.py",
+        ("if (member == 1) turn = -turn", "continue"),
+    ),
+    *_in(
         "body_places.f90",
         "unit/contact/test_sliced_meshes.py",
         ("[turned_to_fixed_frame(mesh, n), &", "[n, &"),

@@ -155,7 +155,7 @@ def test_every_source_is_named() -> None:
     assert isinstance(result, fl.Result)
     estimate = result.estimate
     assert estimate is not None
-    assert set(estimate["by_source"]) == {"strips", "modes", "elements", "tip", "positions"}
+    assert set(estimate["by_source"]) == {"strips", "modes", "elements", "positions"}
     assert set(estimate["dominant_source"]) == {*POINTWISE, *OVERALL}
     for quantity in (*POINTWISE, *OVERALL):
         parts = [source.get(quantity, 0.0) for source in estimate["by_source"].values()]

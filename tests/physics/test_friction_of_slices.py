@@ -277,16 +277,17 @@ def test_small_friction_is_small() -> None:
 # --- cost -----------------------------------------------------------------------------------------
 
 
-def test_loads_along_the_flank_are_solved_for_friction_alone() -> None:
+def test_loads_along_the_flank_are_solved_for_friction_and_sharp_tips() -> None:
     counts = []
     for mu in (None, 0.0, 0.2):
         changes = {**SMALL, "effects__dimension": 3, "effects__friction_coefficient": mu}
         scene = fl.Scene.from_dict(tree_of(SPUR, {**changes, "positions__count": 1}))
         stage = fl.solve(scene).cost["stages"]["compliance body 1"]
         counters, predicted = stage["counters"], stage["predicted"]["counters"]
-        counts.append((counters["unit_loads_normal"], counters.get("unit_loads_tangential", 0)))
+        names = ("unit_loads_normal", "unit_loads_tangential", "corner_readings")
+        counts.append(tuple(counters.get(name, 0) for name in names))
         assert counters["fe_solutions"] == predicted["fe_solutions"] == sum(counts[-1])
-    assert counts == [(6, 0), (6, 0), (6, 6)]
+    assert counts == [(6, 0, 6), (6, 0, 6), (6, 6, 0)]
 
 
 def test_a_jammed_pair_names_the_torque_that_it_holds() -> None:

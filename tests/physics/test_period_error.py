@@ -234,10 +234,13 @@ def test_teeth_without_a_flank_are_named_as_the_first_cure(folder: Path) -> None
     every = from_file(folder, "windows")
     every = compliance_of(build_bodies(every).body_2, every)
     blocks = every.smooth.reshape(TEETH, TEETH, 3, 3)[np.ix_(named, named)]
-    assert every.turned is not None
-    turned = every.turned.reshape(TEETH, TEETH, 3)[np.ix_(named, named)].reshape(-1, 3)
+    assert every.tangential is not None
+    along = every.tangential.reshape(TEETH, TEETH, 3, 3)[np.ix_(named, named)]
     some = dataclasses.replace(
-        every, smooth=blocks.reshape(-1, 3, 3), turned=turned, flanks=tuple(named)
+        every,
+        smooth=blocks.reshape(-1, 3, 3),
+        tangential=along.reshape(-1, 3, 3),
+        flanks=tuple(named),
     )
     (found,) = run_once(scene, {1: (some, Account())})
     assert found.period_pitches == 1

@@ -105,7 +105,7 @@ def over_width(compliance: BodyCompliance, width: float, count: int = 1) -> Body
     rubbed = np.zeros_like(wide)
     for b in range(count):
         rubbed[:, b::count, b::count] = along * 0.5**b
-    return replace(compliance, smooth=wide, tangential=rubbed, turned=None)
+    return replace(compliance, smooth=wide, tangential=rubbed)
 
 
 @pytest.mark.parametrize("crown_radius", LINES)
@@ -129,9 +129,7 @@ def test_the_ellipse_of_hertz(crown_radius: float, slices: int) -> None:
 def test_one_long_slice_is_the_plane(mu: float | None) -> None:
     """The same rotation, forces and tangent from the equations of both levels."""
     _, compliances = plane()
-    # forces that turn over sharp tips are those of the plane alone
-    flat = tuple(replace(part, turned=None) for part in compliances)
-    wanted = run(None, (flat[0], flat[1]), width=WIDTH, mu=mu)
+    wanted = run(None, compliances, width=WIDTH, mu=mu)
     half = 0.5 * WIDTH
     ends = axial(-half, half)
     one, two = (with_axial(over_width(part, WIDTH), ends) for part in compliances)
@@ -155,7 +153,7 @@ def test_cells_of_one_long_slice_are_those_of_the_plane() -> None:
     Cells are as wide as lumped contacts want them, in the plane without friction, and their widths
     differ by 7 %: rotations by 1.5e-6, by 6e-7 with a third of these widths.
     """
-    flat = [replace(part, turned=None) for part in plane()[1]]
+    flat = list(plane()[1])
     flat[0] = replace(flat[0], near=replace(flat[0].near, jump=0.0))
     flat[1] = replace(flat[1], near=replace(flat[1].near, jump=3.0 * flat[1].near.jump))
     half = 0.5 * WIDTH

@@ -482,7 +482,7 @@ def test_lumped_error_is_that_beside_cells(tips: str) -> None:
     # graded slices of the cells have an error of their own
     assert 0.5 * beside < error["transmission_error"] < 3.0 * beside
     shares = np.abs(found.load_share - cells.load_share).max()
-    assert 0.5 * shares < error["load_share"] < 3.0 * shares
+    assert 0.5 * shares < error["load_share"] < 3.2 * shares
 
 
 def test_no_warning_names_a_contact_model_that_slices_lack() -> None:

@@ -1,4 +1,4 @@
-"""Contacts on tips: roundings, which have modes, and sharp corners, over which forces turn."""
+"""Contacts on tips with roundings and chamfers, which have modes."""
 
 from __future__ import annotations
 
@@ -26,8 +26,6 @@ ROTATION_LEFT, SHARE_LEFT = 5e-3, 4e-3
 #: Positions at which the corner of a chamfer works, and by how much the rotation may fall because
 #: the force turns over it (0.5 to 1.0 %).
 CHAMFER_DEG, TURNED = [6.2, 7.0, 15.8], 0.02
-#: Positions at which a sharp corner works.
-CORNER_DEG = [5.0, 6.0]
 #: Positions at which a pair is on the rounding of the wheel's tip, then of the pinion's.
 ANGLES_DEG = [5.6, 5.9, 6.2, 6.6, 15.8, 16.6, 16.9]
 #: The same by forces at nodes 0.0125 mm apart, without modes and half-planes
@@ -93,7 +91,6 @@ def test_a_pair_on_a_small_rounding_follows_forces_at_nodes(rounded: fl.Result) 
     assert true["transmission_error"] < ROTATION_LEFT
     assert true["load_share"] < SHARE_LEFT
     assert rounded.estimate is not None
-    assert "tip" not in rounded.estimate["by_source"]
 
 
 def test_a_chamfer_begins_like_a_sharp_tip_there() -> None:
@@ -112,34 +109,13 @@ def test_a_chamfer_begins_like_a_sharp_tip_there() -> None:
     assert less.max() < TURNED
 
 
-def test_sharp_corners_have_it() -> None:
-    found = solved(CORNER_DEG)
-    assert found.estimate is not None
-    assert found.estimate["by_source"]["tip"]["transmission_error"] > 1e-4
-
-
-def test_without_a_pair_on_a_tip_there_is_no_such_source() -> None:
-    found = solved([2.0, 11.25])
-    assert found.estimate is not None
-    assert "tip" not in found.estimate["by_source"]
-
-
-def test_size_changes_no_part_of_it() -> None:
-    large, small = solved(CORNER_DEG), solved(CORNER_DEG, size=0.02)
-    assert large.estimate is not None
-    assert small.estimate is not None
-    one, other = (found.estimate["by_source"]["tip"] for found in (large, small))
-    for quantity, value in one.items():
-        assert other[quantity] == pytest.approx(value, rel=1e-3)
-
-
-def test_dominant_source_may_be_tips() -> None:
+def test_dominant_source_may_have_a_doubt() -> None:
     left = {
-        "tip": {"load_share": RemainingError(0.01, 0.004)},
+        "elements": {"load_share": RemainingError(0.01, 0.004)},
         "modes": {"load_share": RemainingError(-0.002, 0.0)},
     }
     found = Estimate.of(left)
-    assert found.dominant_source["load_share"] == "tip"
+    assert found.dominant_source["load_share"] == "elements"
     assert found.errors["load_share"] == pytest.approx(0.012, rel=ROUND_OFF, abs=0)
 
 
@@ -157,21 +133,3 @@ def test_peak_of_a_pair_that_has_just_begun_to_carry_may_be_a_multiple() -> None
     doubt = np.asarray(peak_of_modes(sweep(shares), sweep(shares), fewer, in_shares).doubt)
     assert doubt[0, 1] > 0.4 * np.sqrt(2e-4)
     assert doubt[0, 0] == pytest.approx(3 * 2.7e-4, rel=1e-3)
-
-
-#: Solid elements of the FZG type C pair, 14 mm wide, at 5.625 degrees (docs/theory): what the
-#: rotation loses if the force has the mean of both normals, instead of each flank's own.
-TURNED_SOLIDS = (0.00116012 - 0.00115242) / 0.00116012
-
-
-def test_forces_that_turn_over_a_corner_have_a_source_in_three_dimensions() -> None:
-    """Twice the closed form for both bodies, which is a half to the whole of it."""
-    tree = deepcopy(SCENE)
-    tree["positions"] = {"angles_deg": [5.625]}
-    tree["effects"] = {"dimension": 3, "contact": "pairs"}
-    found = solve(fl.Scene.from_dict(tree))
-    assert isinstance(found, fl.Result)
-    assert found.estimate is not None
-    change = found.estimate["by_source"]["tip"]["transmission_error"]
-    assert TURNED_SOLIDS < change < 2.0 * TURNED_SOLIDS
-    assert not any("not included" in note for note in found.warnings)

@@ -16,8 +16,6 @@ positions
     Features of the curve between the positions (`sampling_error`).
 period
     Other teeth with another compliance that come after the last position (`period_error`).
-tip
-    Changes by the turned force of a contact on a tip (`tip_error`).
 lumped
     Lumped contact has no cells: those of the deciding positions (`lumped_error`).
 

@@ -23,6 +23,8 @@ import numpy as np
 from flankload.bodies.corner_angle import STRAIGHT_ANGLE
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from flankload.bodies.body import Body
 
 #: Least turn of the surface at a corner, degrees; straight-sided elements on a rounding turn by
@@ -82,6 +84,18 @@ def tip_angle(body: Body) -> float:
     if body.mesh is None or body.curve.closed or not _tip_is_sharp(body):
         return STRAIGHT_ANGLE
     return body.mesh.end_angles_deg[1]
+
+
+def forces_turn(bodies: Iterable[Body]) -> bool:
+    """Whether forces turn over sharp tips of bodies that touch; not on conforming slices."""
+    return any(has_sharp_tip(each) and (each.axial.plane or not each.conforms) for each in bodies)
+
+
+def has_sharp_tip(body: Body) -> bool:
+    """Whether a flank, elastic or rigid, ends in a sharp corner."""
+    if body.imported is not None:
+        return image_strengths(body)[1] > 0.0
+    return not body.curve.closed and _tip_is_sharp(body)
 
 
 def _tip_is_sharp(body: Body) -> bool:

@@ -249,7 +249,7 @@ def _compliance_parts(compliance: BodyCompliance, shifts: Floats) -> list[Part]:
         "tip": modes.tip,
         "wedge": near.wedge if any(near.wedge) else None,
         "wedge_along": near.wedge_along if any(near.wedge_along) else None,
-        "turned": compliance.turned_blocks(),
+        "turned": _by_blocks(compliance.all_blocks()[1]) if compliance.turns else None,
         "nodes": modes.nodes,
         "shift": shifts if len(shifts) else None,
     }
@@ -281,10 +281,16 @@ def _tangential_parts(compliance: BodyCompliance, *, coast: bool) -> list[Part]:
         blocks["along"] = compliance.along
     for name, values in blocks.items():
         if values is not None:
-            parts.append((name, values.transpose(1, 2, 0).ravel(order="F")))
+            parts.append((name, _by_blocks(values)))
     if compliance.near.jump:
         parts.append(("jump", np.array([compliance.near.jump])))
     return parts
+
+
+def _by_blocks(values: Floats | None) -> Floats:
+    """Responses (z, p, q) in the order of the core: (p, q, z)."""
+    assert values is not None
+    return values.transpose(1, 2, 0).ravel(order="F")
 
 
 def _packed(

@@ -79,11 +79,11 @@ def on_bolts(
     change = 0.5 * (change + change.T).reshape(n, p, n, p).transpose(0, 2, 1, 3)
     # smooth depends on the difference of tooth numbers
     difference = np.subtract.outer(flanks, flanks) % z
-    error, turned = compliance.fe_error, compliance.turned
+    error, along = compliance.fe_error, compliance.tangential
     return replace(
         compliance,
         smooth=(compliance.smooth[difference] + change).reshape(n * n, p, p),
-        turned=None if turned is None else turned[difference].reshape(n * n, -1),
+        tangential=None if along is None else along[difference].reshape(n * n, p, -1),
         flanks=tuple(flanks.tolist()),
         fe_error=None if error is None else np.repeat(error, n, axis=0),
         rim_motion=rim_motion(rim, z, spread, found),

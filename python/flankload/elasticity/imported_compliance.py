@@ -41,6 +41,7 @@ def imported_compliance(
     default_modes: int,
     plane: str,
     tangential: str | None = None,
+    turns: bool = False,
     nodal: bool = False,
 ) -> BodyCompliance:
     """Compliance of a body from its compliance file, `body.imported`.
@@ -56,6 +57,8 @@ def imported_compliance(
         Plane state of the scene, which must be that of the file.
     tangential : str, optional
         Key of the scene that requires the response to tangential loads.
+    turns : bool
+        Whether forces turn over sharp tips, if the file has a response along the flank.
     nodal : bool
         Tables between the nodes of the file instead of pressure modes.
 
@@ -85,7 +88,11 @@ def imported_compliance(
         )
     if isinstance(imported, ModalCompliance):
         return _of_modes(
-            body, imported, modes or imported.smooth.shape[1], friction=bool(tangential)
+            body,
+            imported,
+            modes or imported.smooth.shape[1],
+            friction=bool(tangential),
+            turns=turns,
         )
     if nodal:
         return _tables(body, imported, plane)
@@ -94,7 +101,7 @@ def imported_compliance(
 
 
 def _of_modes(
-    body: Body, imported: ModalCompliance, n_modes: int, *, friction: bool
+    body: Body, imported: ModalCompliance, n_modes: int, *, friction: bool, turns: bool
 ) -> BodyCompliance:
     """Compliance from modes, checked for symmetry and positive definiteness."""
     smooth, f = imported.smooth, len(imported.flanks)
@@ -111,7 +118,7 @@ def _of_modes(
         )
     near = NearField(
         imported.kernel,
-        jump=imported.jump if friction else 0.0,
+        jump=imported.jump if friction or turns else 0.0,
         wedge=image_strengths(body),
         wedge_along=along_strengths(body),
     )
@@ -135,8 +142,7 @@ def _of_modes(
         near=near,
         modes=FlankModes(body.mode_range_mm, tip=imported.tip, axial=parts.axial),
         flanks=imported.flanks,
-        tangential=imported.tangential if friction else None,
-        turned=imported.turned,
+        tangential=imported.tangential if friction or turns else None,
         job=JobCost(max(imported.asymmetry, asymmetry)),
     )
     spare = found.flank_modes - n_modes

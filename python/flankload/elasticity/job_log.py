@@ -73,9 +73,8 @@ class JobLog:
         self._seconds[name] = self._seconds.get(name, 0.0) + now - self._clock
         self._clock = now
 
-    def count_loads(self, columns: int, *, friction: bool) -> None:
-        """Count the load cases of a flank, with friction half of them tangential."""
-        tangential = columns // 2 if friction else 0
+    def count_loads(self, columns: int, *, tangential: int) -> None:
+        """Count the load cases of flanks and rim, of which some are tangential."""
         self.account.count(unit_loads_normal=columns - tangential, unit_loads_tangential=tangential)
 
     @property

@@ -54,8 +54,6 @@ def modal_arrays(
         arrays |= dict(zip(CORNER_ANGLES, corner_angles(body), strict=True))
     if compliance.modes.tip is not None:
         arrays["tip_modes"] = compliance.modes.tip
-    if compliance.turned is not None:
-        arrays["turned"] = compliance.turned
     if compliance.tangential is not None:
         arrays |= {"smooth_nt": compliance.tangential, "kernel_nt": compliance.near.jump}
     if body.involute is not None:

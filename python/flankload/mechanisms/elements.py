@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from flankload.bodies.free_corner import has_sharp_tip
 from flankload.cost import Account, held_bytes
 from flankload.elasticity.compliance import (
     BodyCompliance,
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.elasticity.prism import Prism
     from flankload.mechanisms.stage_clock import Kept, StageClock
-    from flankload.pairing.expansion import BodyLoad
     from flankload.pairing.slices import Slices
     from flankload.scene import Scene
     from flankload.scene.effects import Effects
@@ -89,6 +89,7 @@ def elements_call(
             default_modes=discretization.modes,
             plane=scene.accuracy.plane,
             tangential=asks_tangential(effects),
+            turns=job.turns,
             nodal=effects.nodal_near_field,
         )
     return partial(
@@ -97,7 +98,7 @@ def elements_call(
         JobOptions(
             n_modes=modes_of(own, scene, discretization),
             plane=scene.accuracy.plane,
-            friction=has_tangential_loads(body, effects) or tangential,
+            friction=has_tangential_loads(body, job, effects) or tangential,
             along=effects.friction and effects.finite_influence,
             nodal=effects.nodal_near_field,
             coast_flanks=job.coast_flanks or scene.effects.coast_flank,
@@ -111,13 +112,33 @@ def elements_call(
     )
 
 
-def has_tangential_loads(body: Body, effects: Effects) -> bool:
+def has_tangential_loads(body: Body, job: BodyJob, effects: Effects) -> bool:
     """Whether the elements of a body are solved for tangential loads.
 
-    Friction and finite influence coefficients need them, and modified flanks, whose forces have
-    another direction than the flank of the elements.
+    Beside the cases in which the compliance holds them, modified flanks need them, whose forces
+    have another direction than the flank of the elements.
     """
-    return body.elements is not None or asks_tangential(effects) is not None
+    return body.elements is not None or holds_tangential(job, effects)
+
+
+def holds_tangential(job: BodyJob, effects: Effects) -> bool:
+    """Whether the compliance of a body holds the response to tangential loads.
+
+    Friction and finite influence coefficients need it, and forces that turn over sharp tips.
+    """
+    turns = job.turns and job.elastic and not effects.nodal_near_field
+    return turns or asks_tangential(effects) is not None
+
+
+def counted_loads(counters: Mapping[str, int], *, asked: bool) -> dict[str, int]:
+    """Counters with the tangential loads of turned forces under their own name.
+
+    `asked`: these loads have another purpose.
+    """
+    found = dict(counters)
+    if not asked and found.get("unit_loads_tangential"):
+        found["corner_readings"] = found.pop("unit_loads_tangential")
+    return found
 
 
 def asks_tangential(effects: Effects) -> str | None:
@@ -148,22 +169,24 @@ def compliance_of(
     estimate : bool
         Whether the discretization error of the elements is estimated.
     """
-    discretization, job = discretization or choose_discretization(scene), job or BodyJob(True)
+    discretization = discretization or choose_discretization(scene)
+    job = job or BodyJob(True, turns=has_sharp_tip(body))
     call = elements_call(body, scene, discretization, job, estimate=estimate)
-    return _in_scene(call(), body, scene, job.body_load)
+    return _in_scene(call(), body, scene, job)
 
 
-def _in_scene(
-    found: BodyCompliance, body: Body, scene: Scene, body_load: BodyLoad | None
-) -> BodyCompliance:
+def _in_scene(found: BodyCompliance, body: Body, scene: Scene, job: BodyJob) -> BodyCompliance:
     """Apply uniform expansion, modified flanks and coupling, which need no elements."""
+    body_load, effects = job.body_load, effects_of(scene)
     if body_load is not None and (body.imported is not None or not body_load.needs_elements):
         found = replace(found, expansion=Expansion(body_load.strain))
     if body.elements is not None:
         found = on_modified_flank(found, body)
     found = replace(found, along_near=None)  # for the modified flanks of other scenes only
-    if asks_tangential(effects_of(scene)) is None:
-        found = found.without_friction()
+    if asks_tangential(effects) is None:
+        found = found.without_friction(turns=holds_tangential(job, effects))
+    turns = job.turns and found.tangential is not None and found.modes.nodes is None
+    found = replace(found, turns=turns)
     return found if scene.effects.tooth_coupling else found.without_coupling()
 
 
@@ -201,12 +224,13 @@ def solve_body(
     )
     key, held = (None, None) if parts is None else parts.find(call)
     if held is not None:
-        return _in_scene(held, body, scene, job.body_load)
+        return _in_scene(held, body, scene, job)
     with clock.stage(stage) as account:
         watched = {"account": Account(on_part=clock.part_progress(stage))}
         solved = call(**(watched if body.imported is None else {}))
-        compliance = _in_scene(solved, body, scene, job.body_load)
-        account.count(**compliance.job.counters)
+        compliance = _in_scene(solved, body, scene, job)
+        asked = wide.tangential or body.elements is not None or asks_tangential(effects_of(scene))
+        account.count(**counted_loads(compliance.job.counters, asked=bool(asked)))
         # the estimate includes the discretization error of the elements
         account.bytes += held_bytes(replace(compliance, fe_error=None))
         account.workspace_bytes += compliance.job.workspace_bytes

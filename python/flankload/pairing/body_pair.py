@@ -35,6 +35,8 @@ class BodyJob:
         Whether displacements of a free rim are needed.
     mirrored : bool
         Whether the mirror image of the body is solved, in which its coast flanks are working ones.
+    turns : bool
+        Whether forces turn over sharp tips of the bodies that touch.
     """
 
     elastic: bool
@@ -43,6 +45,7 @@ class BodyJob:
     coast_flanks: bool = False
     rim: bool = False
     mirrored: bool = False
+    turns: bool = False
 
     @property
     def needs_elements(self) -> bool:

@@ -38,7 +38,6 @@ BOUND = (
 OF_UNCERTAIN = 2.0
 #: Sources that no parameter controls, with what controls them instead.
 LEFT_BY = {
-    "tip": "forces on tips deviate from the normal of the flank, in which its modes act",
     "lumped": "caused by effects.contact = 'lumped'",
     "period": "positions.pitches omits teeth with another compliance",
     "one solution": "caused by effects.large_displacement = false",

@@ -85,7 +85,7 @@ def test_everything_else_is_there(lumped: fl.Result, pairs: fl.Result) -> None:
 def test_the_estimate_contains_the_error_of_the_level(lumped: fl.Result, pairs: fl.Result) -> None:
     assert lumped.estimate is not None
     sources = lumped.estimate["by_source"]
-    assert set(sources) == {"modes", "elements", "tip", "lumped", "positions"}  # no strips
+    assert set(sources) == {"modes", "elements", "lumped", "positions"}  # no strips
     assert set(sources["lumped"]) >= set(POINTWISE)
     for quantity in POINTWISE:
         parts = [errors[quantity] for errors in sources.values() if quantity in errors]

@@ -47,8 +47,6 @@ class ModalCompliance:
         Interior angles at the low and the high end of the modes' range; 180 without a corner.
     tip : Tip or None
         Tip rounding or chamfer, to which the last modes belong.
-    turned : (z, p) array, or (f * f, p) array; or None
-        Response to a tangential unit force at a sharp tip, mm²/N.
     axial_degree : int or None
         Degree of the modes along the axis of a body in three dimensions, whose compliance is that
         of the whole width, mm/N; None in the plane.
@@ -64,7 +62,6 @@ class ModalCompliance:
     jump: float = 0.0
     corner_angles_deg: tuple[float, float] = (180.0, 180.0)
     tip: Tip | None = None
-    turned: Floats | None = None
     axial_degree: int | None = None
 
     @property

@@ -145,7 +145,6 @@ def _read_compliance(
         corner_angles_deg=read_corner_angles(found),
         tip=_read_tip(found, *ends_mm, along),
         axial_degree=degree,
-        turned=found.numbers("turned", *smooth.shape[:2]) if "turned" in found else None,
     )
 
 

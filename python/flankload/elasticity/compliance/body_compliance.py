@@ -17,7 +17,6 @@ from flankload.elasticity.compliance.contributions import (
     RimMotion,
     RimResponse,
     RootResponse,
-    opposite,
 )
 from flankload.elasticity.job_log import JobCost
 from flankload.elasticity.near_field import mode_products
@@ -49,18 +48,17 @@ class BodyCompliance:
         In three dimensions that of a half-space with k = kernel/2 (`prism.flank_potential`).
     flanks : tuple of int
         Teeth with a flank; empty if smooth depends on the difference of tooth numbers only.
-    tangential : (z, p, q) array, or (f * f, p, q) array; None without friction
+    tangential : (z, p, q) array, or (f * f, p, q) array; or None
         Normal displacements under q modes of tangential load towards increasing arc length, without
-        the near field; mm²/N.
+        the near field; mm²/N. None if no such loads act.
     along_near : (p, p) array; None without friction and for nodes
         That near field on the loaded flank as mode coefficients: jump, and images behind free
         corners.
     along : as tangential, (…, q, q); None without friction or with small forces
         Tangential displacements under the same loads, without the logarithm of strength
         `near.kernel`.
-    turned : (z, p) array, or (f * f, p) array; None without a sharp tip
-        Normal displacements under a tangential unit force at the sharp tip, towards increasing arc
-        length, without its images: the direction of forces turns at the corner.
+    turns : bool
+        Whether forces turn over sharp tips, with `tangential`.
     root : RootResponse or None
         Stress in the root fillets, if requested.
     rim : RimResponse or None
@@ -79,7 +77,7 @@ class BodyCompliance:
     tangential: Floats | None = None
     along_near: Floats | None = None
     along: Floats | None = None
-    turned: Floats | None = None
+    turns: bool = False
     coast: CoastCompliance | None = None
     expansion: Expansion = field(default_factory=Expansion)
     root: RootResponse | None = None
@@ -174,20 +172,13 @@ class BodyCompliance:
             tangential = np.concatenate([tangential, coast.tangential])
         return np.concatenate([self.smooth, coast.normal]), tangential
 
-    def turned_blocks(self) -> Floats | None:
-        """`turned` for each block of `all_blocks`, 0 across a tooth."""
-        if self.turned is None or self.coast is None:
-            return self.turned
-        none, images = np.zeros_like(self.turned), self.turned[opposite(len(self.turned))]
-        return np.concatenate([self.turned, none, none, images])
-
     def with_blocks(self, change: Blocks, of_coast: Blocks | None = None) -> BodyCompliance:
         """The compliance with changed responses.
 
-        `change` maps each of smooth, tangential, along and turned, if present; `of_coast` those of
-        the coast flanks, by default `change`.
+        `change` maps each of smooth, tangential and along, if present; `of_coast` those of the
+        coast flanks, by default `change`.
         """
-        names = ("smooth", "tangential", "along", "turned")
+        names = ("smooth", "tangential", "along")
         blocks = {name: getattr(self, name) for name in names}
         coast, of_coast = self.coast, of_coast or change
         if coast is not None:
@@ -226,8 +217,6 @@ class BodyCompliance:
             parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
 
         def projected(blocks: Floats) -> Floats:
-            if blocks.ndim == 2:  # `turned`, without a tip
-                return blocks[:, :kept]
             if tip is None:
                 return blocks[:, :kept, :kept]
             return np.asarray(parts @ blocks @ parts.T)
@@ -294,8 +283,8 @@ class BodyCompliance:
             smooth=np.zeros((1, count, count)),
             modes=modes,
             near=replace(self.near, kernel=0.0),
-            turned=None,
             tangential=None,
+            turns=False,
             coast=None,
             fe_error=None,
         )
@@ -312,19 +301,24 @@ class BodyCompliance:
         )
         return replace(self, modes=modes)
 
-    def without_friction(self) -> BodyCompliance:
-        """The compliance under normal loads alone, in arrays of its own."""
+    def without_friction(self, *, turns: bool = False) -> BodyCompliance:
+        """The compliance without friction, in arrays of its own; `turns`: forces turn over tips."""
         if self.tangential is None:
             return self
-        p, coast, root, error = self.smooth.shape[1], self.coast, self.root, self.fe_error
+        p, root, error = self.smooth.shape[1], self.root, self.fe_error
+        if root is not None:
+            root = root.with_each(lambda part: part[..., :p].copy())
+        if turns:
+            return replace(self, along=None, root=root)
         return replace(
             self,
             smooth=self.smooth.copy(),
             near=replace(self.near, jump=0.0),
             tangential=None,
+            turns=False,
             along=None,
-            coast=None if coast is None else CoastCompliance(coast.normal.copy()),
-            root=None if root is None else root.with_each(lambda part: part[..., :p].copy()),
+            coast=None if self.coast is None else CoastCompliance(self.coast.normal.copy()),
+            root=root,
             fe_error=None if error is None else error[..., :p].copy(),
         )
 
@@ -341,8 +335,8 @@ class BodyCompliance:
         """
         z, coast = len(self.smooth), self.coast
         if coast is not None and bool(np.all((block[apart] >= z) & (block[apart] < 3 * z))):
-            none = _only(coast.normal, np.arange(2 * z, 3 * z))
-            return self.with_blocks(lambda blocks: blocks, lambda _: none), block
+            own = np.arange(2 * z, 3 * z)
+            return self.with_blocks(lambda part: part, lambda part: _only(part, own)), block
 
         def with_none(blocks: Floats) -> Floats:
             return np.concatenate([blocks, np.zeros_like(blocks[:1])])

@@ -20,11 +20,6 @@ from flankload.elasticity.compliance.contributions import Expansion
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
-from flankload.elasticity.compliance.tip_force import (
-    has_turned_forces,
-    turned_coefficients,
-    turned_columns,
-)
 from flankload.elasticity.fe_error import (
     compliance_error,
     fillet_difference,
@@ -190,24 +185,16 @@ def _loads(body: Body, options: JobOptions) -> FlankLoads:
     return ModeLoads(body, options.extent, count, options.friction)
 
 
-def _turns(body: Body, options: JobOptions) -> bool:
-    """Whether the tangential displacement of a sharp tip is read."""
-    return not options.nodal and options.extent.turns_at_tips and has_turned_forces(body)
-
-
 def _readings(
     body: Body, options: JobOptions, loads: FlankLoads, section: SectionStiffness
 ) -> Callable[[int], dict[str, tuple[Floats, int]]]:
-    """Columns for readings, by counter: root stress, tangential displacement of a sharp tip."""
+    """Columns for readings, by counter: root stress."""
 
     def readings(flank: int) -> dict[str, tuple[Floats, int]]:
         found = {}
         if options.fillets is not None:
             columns = options.extent.root_columns(options.fillets, flank, section, body.material)
             found["stress_recoveries"] = columns, options.extent.axial.count
-        if _turns(body, options):
-            corner = turned_columns(body, flank).reshape(section.nodes, section.unknowns, 1)
-            found["corner_readings"] = corner, 1
         return found
 
     return readings
@@ -215,10 +202,10 @@ def _readings(
 
 def _compliance(job: Job, found: Response, options: JobOptions) -> BodyCompliance:
     """Compliance from the response of the elements, without the near field."""
-    body, loads, friction = job.body, job.loads, options.friction
+    loads, friction = job.loads, options.friction
     q, p = found.response.shape[2], loads.count
     response, below = found.response[:, :q], found.response[:, q:]
-    root, turned, places = None, None, 0
+    root = None
     if options.fillets is not None:
         places = options.fillets.points.arc_length_mm.size * options.extent.axial.count
         root = options.extent.roots(options.fillets, below[:, :places].copy(), loads)
@@ -227,8 +214,6 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
                 options.fillets, found.by_coast[:, :places].copy(), loads
             )
             root = replace(root, coast=by_coast.response)
-    if _turns(body, options):
-        turned = turned_coefficients(body, below[:, places, :p], found.own, options.plane)
     loads.subtract_near_field(response, found.own, job.log.account)
     response, asymmetry = made_symmetric(response, found.across)
     job.log.account.count(fe_unknowns=found.degrees_of_freedom)
@@ -240,7 +225,6 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
         tangential=np.ascontiguousarray(response[:, :p, p:]) if friction else None,
         along_near=loads.along_near(),
         along=np.ascontiguousarray(response[:, p:, p:]) if options.along and friction else None,
-        turned=turned,
         coast=found.coast,
         root=root,
         rim=found.rim,

@@ -43,8 +43,6 @@ class PlaneExtent:
         Number of sets of unknowns that are not coupled.
     recovers_stress : bool
         Whether stress recovery estimates the error of its elements, else that of a plane section.
-    turns_at_tips : bool
-        Whether the tangential displacement of a sharp tip is read.
     """
 
     plane: str = "strain"
@@ -55,7 +53,7 @@ class PlaneExtent:
     components = 2
     rigid_motions = 3
     factorisations = 1
-    recovers_stress = turns_at_tips = True
+    recovers_stress = True
 
     @property
     def axial(self) -> AxialBasis:

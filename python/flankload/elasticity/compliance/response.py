@@ -100,7 +100,7 @@ def of_whole(job: Job, mesh: WholeMesh) -> Response:
     f, p, forces = len(loads), loads[0].shape[2], job.forces
     columns = np.concatenate(loads, axis=2)
     log.account.count(fe_solutions=f * p)
-    log.count_loads(f * p, friction=job.loads.friction)
+    log.count_loads(f * p, tangential=f * (p - job.loads.count))
     recovery = Recovery() if log.estimates or further[0] or forces is not None else None
     sector = condense_nodes(job.section, mesh, columns, account=log.account, recovery=recovery)
     log.end_step("factorisation")
@@ -151,7 +151,7 @@ def of_sector(job: Job, mesh: SectorMesh, sectors: int | None) -> Response:
         section = replace(section, halved=False)
     log.end_step("assembly")
     log.account.count(fe_solutions=flanks)
-    log.count_loads(flanks, friction=job.loads.friction)
+    log.count_loads(flanks, tangential=q - job.loads.count)
     readings = job.readings(0)
     growth = 0 if held or job.forces is None else job.forces.shape[2]
     if growth:

@@ -69,7 +69,7 @@ class Prism:
     plane = "strain"
     components = 3
     rigid_motions = 6
-    recovers_stress = turns_at_tips = False
+    recovers_stress = False
 
     @property
     def factorisations(self) -> int:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.bodies import Body
+from flankload.bodies.free_corner import forces_turn
 from flankload.bodies.profile_deviation import profile_deviation
 from flankload.bodies.root_fillet import RootFillets, root_fillets
 from flankload.contact.flank_contact import FlankContact
@@ -122,14 +123,15 @@ def _paired(
     except SceneError as error:
         raise with_file_of(scene, error) from None
     loads = body_loads_of(scene, pairing)
+    turns = forces_turn((one, two))
     pair = BodyPair(
         bodies=(one, two),
         pairing=pairing,
         slices=_slices(scene, (one, two), pairing),
         friction=friction,
         jobs=(
-            BodyJob(effects.elastic_body_1, fillets[0], loads[0]),
-            BodyJob(effects.elastic_body_2, fillets[1], loads[1]),
+            BodyJob(effects.elastic_body_1, fillets[0], loads[0], turns=turns),
+            BodyJob(effects.elastic_body_2, fillets[1], loads[1], turns=turns),
         ),
         discretization=discretization,
         effects=_with_effects_of_files(effects, (one, two)),

@@ -16,9 +16,15 @@ from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
 from flankload.elasticity.compliance.plane_extent import PlaneExtent
-from flankload.elasticity.compliance.tip_force import has_turned_forces
 from flankload.elasticity.sector_closure import unknowns_of
-from flankload.mechanisms.elements import asks_tangential, has_tangential_loads, modes_of, prism_of
+from flankload.mechanisms.elements import (
+    asks_tangential,
+    counted_loads,
+    has_tangential_loads,
+    holds_tangential,
+    modes_of,
+    prism_of,
+)
 from flankload.mechanisms.stage_clock import elements_stage
 from flankload.scene.effects import work_in
 
@@ -27,7 +33,7 @@ if TYPE_CHECKING:
 
     from flankload.elasticity.prism import Prism
     from flankload.mechanisms.elements import ElasticBodies
-    from flankload.pairing.body_pair import BodyPair
+    from flankload.pairing.body_pair import BodyJob, BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Effects
 
@@ -39,7 +45,6 @@ FURTHER = (
     "bore_reactions",
     "stress_recoveries",
     "coast_readings",
-    "corner_readings",
 )
 #: Unit forces on a rim for each polynomial over the width, counted as normal loads.
 RIM_LOADS = 2
@@ -71,8 +76,8 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         work = replace(work, coast_readings=1)
     if not job.elastic:  # elements are needed for the expansion only
         work = replace(work, factorisations=1, normal_loads=1)
-    # friction, finite influence coefficients and modified flanks use the same loads
-    work = replace(work, tangential_loads=has_tangential_loads(body, pair.effects))
+    # all purposes of tangential loads use the same ones
+    work = replace(work, tangential_loads=has_tangential_loads(body, job, pair.effects))
     growth = 0 if job.body_load is None else job.body_load.load_cases
     modes = modes_of(body, scene, pair.discretization)
     if body.tip is not None and not pair.effects.nodal_near_field:
@@ -82,7 +87,6 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     if body.mesh is None:
         return _solved(0, 0, 0)
     extent = prism_of(body, scene) or PlaneExtent()
-    nodal = pair.effects.nodal_near_field
     columns = _Columns(
         of_profile=tuple(
             round(part) * modes for part in (work.normal_loads, work.tangential_loads)
@@ -91,8 +95,6 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
         growth=growth,
         places=places,
         coast=round(work.coast_readings),
-        # a sharp tip moves along the flank, too
-        corners=int(extent.turns_at_tips and not nodal and has_turned_forces(body)),
         rim=RIM_LOADS * (extent.load_degree + 1) if job.rim else 0,
     )
     tooth = pair.effects.single_tooth
@@ -106,18 +108,21 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
             found["fe_solutions"] += sum(columns.of_profile) * (extent.load_degree + 1)
     per_node = extent.components * extent.axial.count
     found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth, per_node=per_node)
-    counted = _without_unasked(found, pair.effects)
+    asked = body.elements is not None or asks_tangential(pair.effects) is not None
+    named = counted_loads(found, asked=asked)
     if job.rim:  # its response is part of larger arrays
-        return found
+        return named
+    counted = _without_unasked(found, job, pair.effects)
+    rubs = asks_tangential(pair.effects) is not None
     along = pair.effects.friction and pair.effects.finite_influence
-    held = columns.bytes(body.mesh, counted, along=along)
+    held = columns.bytes(body.mesh, counted, along=along, rubs=rubs)
     points = 0 if fillets is None else held_bytes(fillets.points)
-    return found | {"bytes": held + points}
+    return named | {"bytes": held + points}
 
 
-def _without_unasked(counted: dict[str, int], effects: Effects) -> dict[str, int]:
+def _without_unasked(counted: dict[str, int], job: BodyJob, effects: Effects) -> dict[str, int]:
     """Counters without the tangential loads of modified flanks, whose responses are not held."""
-    return counted if asks_tangential(effects) else counted | {"unit_loads_tangential": 0}
+    return counted if holds_tangential(job, effects) else counted | {"unit_loads_tangential": 0}
 
 
 def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
@@ -146,8 +151,8 @@ class _Columns:
         Extent of the body along its axis.
     growth, places : int
         Body loads, and places of stress.
-    coast, corners : int
-        1 with coast flanks, and with a sharp tip.
+    coast : int
+        1 with coast flanks.
     rim : int
         Loads of a rim.
     """
@@ -157,7 +162,6 @@ class _Columns:
     growth: int
     places: int
     coast: int
-    corners: int
     rim: int
 
     def work(self, mesh: SectorMesh | WholeMesh, *, tooth: bool) -> dict[str, int]:
@@ -180,16 +184,18 @@ class _Columns:
             bore_reactions=mesh.has_free_bore * self.extent.rigid_motions,
             stress_recoveries=self.places,
             coast_readings=coast,
-            corner_readings=self.corners,
         )
         # one for each function of z
         found["fe_solutions"] += self.places * self.extent.axial.degree
         return found
 
     def bytes(
-        self, mesh: SectorMesh | WholeMesh, counted: Mapping[str, int], *, along: bool
+        self, mesh: SectorMesh | WholeMesh, counted: Mapping[str, int], *, along: bool, rubs: bool
     ) -> int:
-        """Bytes of the compliance of a body, with tangential loads that are held if counted."""
+        """Bytes of the compliance of a body, with tangential loads that are held if counted.
+
+        Those of root stress are held with friction only.
+        """
         flanks = len(mesh.flanks)
         blocks = mesh.teeth if isinstance(mesh, SectorMesh) else flanks**2
         normal, tangential = (
@@ -198,7 +204,7 @@ class _Columns:
         both = normal + tangential
         own = normal * both + along * tangential**2
         recovered = self.places * self.extent.axial.count
-        own += recovered * both * (1 + self.coast) + self.corners * normal
+        own += recovered * (both if rubs else normal) * (1 + self.coast)
         return WORD * blocks * (own + 3 * self.coast * normal * both)
 
 

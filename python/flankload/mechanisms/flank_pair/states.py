@@ -15,7 +15,6 @@ from flankload.analysis.lumped_error import error_beside_cells, spread_error
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.root_error import root_tension
 from flankload.analysis.sampling_error import of_positions
-from flankload.analysis.tip_error import tip_error
 from flankload.base.number_text import percent
 from flankload.contact.sweep import join_sweeps, known_contacts, sweep
 from flankload.cost import Account, held_bytes
@@ -290,10 +289,8 @@ def _weights(pair: BodyPair, at: NDArray[np.int64]) -> NDArray[np.float64]:
 def _sources(
     pair: BodyPair, contact: FlankContact, at: NDArray[np.int64]
 ) -> dict[str, Callable[[Sweep], dict[str, RemainingError]]]:
-    """Sources of errors that follow from a sweep itself: tips, touch, positions, other teeth."""
+    """Sources of errors that follow from a sweep itself: touch, positions, other teeth."""
     sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {}
-    compliances = contact.compliances
-    sources["tip"] = lambda found: tip_error(join_sweeps([found], at), pair, compliances)
     if not pair.slices.plane:
         coarser = replace(contact, mesh=replace(pair, slices=pair.slices.coarser()))
         sources["touch"] = lambda found: _touch_error(join_sweeps([found], at), coarser, pair, at)
@@ -303,7 +300,7 @@ def _sources(
     sources["positions"] = partial(
         of_positions, window=window, position_rad=pair.position_rad, adaptive=pair.adaptive
     )
-    others = OtherTeeth(pair, compliances, window)
+    others = OtherTeeth(pair, contact.compliances, window)
     if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)
     return sources

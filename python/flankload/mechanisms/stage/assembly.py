@@ -12,6 +12,7 @@ from msgspec import structs
 from flankload.base.rotation import directions
 from flankload.bodies.axial_shape import lead_of
 from flankload.bodies.carrier import carrier_compliance
+from flankload.bodies.free_corner import forces_turn
 from flankload.contact.stage_supports import StageSupports
 from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import fillets_of, slices_of_mesh
@@ -123,10 +124,11 @@ def _jobs(
     """Purposes of the elements of sun, planet and ring."""
     elastic = [not body.rigid for body in bodies]
     fillets = [fillets_of(body, name, effects) for name, body in zip(NAMES, bodies, strict=True)]
+    turns, free = forces_turn(bodies), stage.ring_support != "clamped"
     return (
-        BodyJob(elastic[0], fillets[0]),
-        BodyJob(elastic[1], fillets[1], coast_flanks=True),
-        BodyJob(elastic[2], fillets[2], rim=stage.ring_support != "clamped", mirrored=True),
+        BodyJob(elastic[0], fillets[0], turns=turns),
+        BodyJob(elastic[1], fillets[1], coast_flanks=True, turns=turns),
+        BodyJob(elastic[2], fillets[2], rim=free, mirrored=True, turns=turns),
     )
 
 

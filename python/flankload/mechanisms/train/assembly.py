@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flankload.bodies.free_corner import forces_turn
 from flankload.bodies.shaft import end_of_cantilever, twist_of_shaft
 from flankload.contact.train_supports import TrainErrors, TrainSupports
 from flankload.errors import SceneError
@@ -94,7 +95,11 @@ def assemble(
     return TrainAssembly(
         bodies=bodies,
         jobs=tuple(
-            BodyJob(not body.rigid, coast_flanks=train.kind == "idler" and name in on_coast)
+            BodyJob(
+                not body.rigid,
+                coast_flanks=train.kind == "idler" and name in on_coast,
+                turns=forces_turn(bodies),
+            )
             for name, body in zip(names, bodies, strict=True)
         ),
         pairing=pairing,
