@@ -521,8 +521,14 @@ def test_without_torque_sizes_are_lengths() -> None:
     assert "um" in str(plan)
 
 
-def test_an_unknown_size_has_a_reason() -> None:
-    plan = fl.plan(fl.read_scene(SCENES / "external_gear_compliance.toml"))
+def test_an_unknown_size_has_a_reason(tmp_path: Path) -> None:
+    scene, files = fl.read_scene(SCENES / "external_gear_compliance.toml"), {}
+    for number, name in enumerate(("pinion", "wheel"), start=1):
+        with np.load(SCENES.parent / "compliance" / f"fzg_c_{name}.npz") as arrays:
+            normal = {key: arrays[key] for key in arrays.files if not key.endswith("_nt")}
+        np.savez(tmp_path / f"{name}.npz", **normal)
+        files[f"body_{number}.file"] = str(tmp_path / f"{name}.npz")
+    plan = fl.plan(scene.replace(files))
     friction = plan.effect("friction")
     assert friction.size is None
     assert friction.unknown is not None
@@ -629,7 +635,8 @@ def test_more_expensive_choices_have_their_cost(plain_plan: Plan) -> None:
         assert row.extra_s is not None
         assert row.extra_bytes is not None
         assert np.isfinite(row.extra_s)  # how many is for the benches
-        assert row.extra_bytes > 0
+        # forces that turn over sharp tips have the loads of friction
+        assert row.extra_bytes > 0 or name == "friction"
     assert plan.seconds == sum(s["cpu_s"] for s in plan.predicted["stages"].values())
 
 
