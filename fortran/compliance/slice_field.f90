@@ -18,8 +18,8 @@ module flankload_slice_field
 
     public :: mirror_type, segment_type, shaft_type, slices_type
     public :: across_lines, add_segment_field, along_line, axial_means, corner_field, &
-        & corner_mirrors, end_mirrors, holds_slices, mean_width, middle_of, modes_of, slice_of, tangential_field, &
-        & width_of
+        & corner_mirrors, end_mirrors, holds_slices, mean_width, middle_of, modes_of, slice_of, &
+        & tangential_field, width_of
 
     !> Slices of the flanks: site (pair - 1)*n + j is slice j of flank pair `pair`.
     type :: slices_type
