@@ -9,7 +9,7 @@ module flankload_contact_grid
     private
 
     public :: grid_type
-    public :: wanted_grid, part_neighbours, lay_cells
+    public :: end_within_stretch, wanted_grid, part_neighbours, lay_cells
 
     !> Fine cells around an edge inside a contact.
     type :: fineness_type

@@ -9,7 +9,8 @@ module flankload_position_cells
     use flankload_contact_zones, only: in_slice, zone_type
     use flankload_contact_normal, only: contact_normal, normal_type
     use flankload_contact_reach, only: edges_within, zone_reach
-    use flankload_contact_grid, only: grid_type, lay_cells, part_neighbours, wanted_grid
+    use flankload_contact_grid, only: end_within_stretch, grid_type, lay_cells, part_neighbours, &
+        & wanted_grid
     use flankload_contact_pairs, only: append_pairs, pairs_type, reserve_pairs, take_out_of_mirror
     use flankload_friction, only: add_friction
     use flankload_gap_shift, only: shift_pairs
@@ -49,6 +50,10 @@ module flankload_position_cells
     !> Least force of a slice for which cells are made, relative to an evenly spread load: at the
     !> ends of a contact line, forces are small and only their order of magnitude is known.
     real(wp), parameter :: slice_part = 0.1_wp
+    !> Number of cells of a slice beyond its estimated half-width on each side. The cells of a flank
+    !> have one width, so that a contact at the end of a contact line is only a few cells wide; with
+    !> fewer cells beyond it, a force often acts on the last one.
+    real(wp), parameter :: cells_beyond = 3.0_wp
 
 contains
 
@@ -147,8 +152,8 @@ contains
                     & meshes(zones(z)%mesh)%grid%strips_per_half_width, &
                     & meshes(zones(z)%mesh)%grid%corner_strips_per_half_width)
             end do
-            call part_grids(position, cells%included, grids)
             call take_one_width(zones, cells)
+            call part_grids(position, cells%included, grids)
             do z = 1, size(zones)
                 if (cells%included(z)) call lay_cells_of(zones(z), grids(z))
             end do
@@ -194,17 +199,17 @@ contains
     end subroutine lay_pairs
 
     !> Give all slices of a flank the same cell width, the force-weighted mean of the widths wanted:
-    !> influence coefficients between slices then follow from one table. Grids that are refined
-    !> around an edge are not changed.
+    !> influence coefficients between slices then follow from one table. A few of these cells lie
+    !> beyond each contact. Grids that are refined around an edge are not changed.
     pure subroutine take_one_width(zones, cells)
         !> The zones
         type(zone_type), intent(in) :: zones(:)
-        !> Cells; their grids are known except for the positions of the cells
+        !> Cells; their grids are those of each zone by itself, without positions of the cells
         type(cells_type), intent(inout) :: cells
 
         integer :: z
         logical :: even(size(zones))
-        real(wp) :: wanted(size(zones))
+        real(wp) :: wanted(size(zones)), extent(2)
 
         even = cells%included .and. cells%in_slices
         do z = 1, size(zones)
@@ -212,8 +217,15 @@ contains
         end do
         wanted = cells%grids%cell
         do z = 1, size(zones)
-            if (even(z)) cells%grids(z)%cell = sum(cells%part*wanted, mask=even .and. zones%flank &
-                & == zones(z)%flank)/sum(cells%part, mask=even .and. zones%flank == zones(z)%flank)
+            if (.not. even(z)) cycle
+            associate (grid => cells%grids(z))
+                grid%cell = sum(cells%part*wanted, mask=even .and. zones%flank == zones(z)%flank) &
+                    & /sum(cells%part, mask=even .and. zones%flank == zones(z)%flank)
+                extent = cells%reach(:, z)*one_sided(cells, z) + cells_beyond*grid%cell
+                grid%low = min(grid%low, zones(z)%nearest%s_1 - extent(1))
+                grid%high = max(grid%high, zones(z)%nearest%s_1 + extent(2))
+                call end_within_stretch(zones(z), grid)
+            end associate
         end do
     end subroutine take_one_width
 

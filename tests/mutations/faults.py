@@ -106,7 +106,7 @@ _FORTRAN = (
         "rectangle_potential.f90",
         "core",
         ("away = sqrt(fourth/second)", "away = sqrt(second)"),
-        ("x*asinh(y/abs(x)) + 0.5_wp*y", "x*asinh(y/abs(x)) + y"),
+        ("0.5_wp*b*log((a + r)/b)", "b*log((a + r)/b)"),
         ("(high - low + 1 < size(potentials))", "(.false.)"),
     ),
     *_in(

@@ -64,9 +64,9 @@ class Discretization:
 DEFAULT = Discretization(1.0 / 4.5, 5, Grid())
 
 #: Cells in slices (three dimensions). The zones are short, since lumped contact gives the forces of
-#: all slices in advance. With 10 cells, or with 18 at sharp corners, the rotation of a spur and of
-#: a helical pair changes by 0.004 %.
-IN_SLICES = Grid(6.0, 9.0, 2.0)
+#: all slices in advance; the core adds three cells to each half-width at least. With 10 cells, or
+#: with 18 at sharp corners, the rotation of a spur and of a helical pair changes by 0.004 %.
+IN_SLICES = Grid(6.0, 9.0, 1.5)
 
 #: Default tolerance of adaptive positions over that of the scene; more positions cost little.
 POSITION_TOLERANCE_FACTOR = 0.3
