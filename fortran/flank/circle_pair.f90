@@ -9,7 +9,8 @@ module flankload_circle_pair
     private
 
     public :: facing_type, flank_type, pair_type
-    public :: complete_pair, gap_bend, guessed_s_2, new_flank, pair_on_circle, start_pair
+    public :: complete_pair, gap_bend, guessed_s_2, new_flank, pair_on_circle, place_on_body_1, &
+        & start_pair
 
     !> A flank and its samples, at which the search for minima of the gap starts.
     type :: flank_type
@@ -25,12 +26,13 @@ module flankload_circle_pair
         integer, allocatable :: special(:)
         !> First sample from which on the radius increases up to the tip
         integer :: first_rising = 1
-        !> Indices of a coarse subset of the samples, all corners and the first rising sample
-        !> included, and the largest distance between the flank and their polygon along circles
-        !> about the axis [mm], shape (size of the subset)
-        integer, allocatable :: subset(:)
-        real(wp), allocatable :: bulge(:)
-        !> Longest chord of that polygon [mm]
+        !> Coarse subset of the samples, all corners and the first rising sample included [mm],
+        !> shape (2, m), their distances from the axis [mm], and the largest distance between the
+        !> flank and their polygon along circles about the axis [mm], shape (m)
+        real(wp), allocatable :: vertex(:, :)
+        real(wp), allocatable :: vertex_radius(:), bulge(:)
+        !> First rising one of these vertices, and the longest chord between them [mm]
+        integer :: rising_vertex = 1
         real(wp) :: longest_chord = 0.0_wp
         !> Breaks at which a rounding starts smoothly [mm of arc length], its side (1: greater arc
         !> length, -1: smaller) and the jump of the curvature [1/mm], shape (number of roundings)
@@ -128,6 +130,7 @@ contains
         integer :: k, l, n, first, last
         real(wp) :: chord(2), off, rise
         logical, allocatable :: chosen(:)
+        integer, allocatable :: subset(:)
 
         n = size(flank%s)
         allocate (chosen(n), source=flank%special > 0)
@@ -142,11 +145,14 @@ contains
             if (off/norm2(chord) > least_bulge*curve_length(flank%curve)) chosen(last) = .true.
             if (chosen(last)) first = last
         end do
-        flank%subset = pack([(k, k=1, n)], chosen)
-        allocate (flank%bulge(size(flank%subset)), source=0.0_wp)
-        do l = 1, size(flank%subset) - 1
-            first = flank%subset(l)
-            last = flank%subset(l + 1)
+        subset = pack([(k, k=1, n)], chosen)
+        flank%vertex = flank%point(:, subset)
+        flank%vertex_radius = flank%radius(subset)
+        flank%rising_vertex = count(subset <= flank%first_rising)
+        allocate (flank%bulge(size(subset)), source=0.0_wp)
+        do l = 1, size(subset) - 1
+            first = subset(l)
+            last = subset(l + 1)
             chord = flank%point(:, last) - flank%point(:, first)
             flank%longest_chord = max(flank%longest_chord, norm2(chord))
             ! The distance is off/|chord| across the chord, and off/rise along a circle.
@@ -188,6 +194,31 @@ contains
             end do
         end associate
     end subroutine find_roundings
+
+    !> Transform points of flank 2 to the frame of body 1.
+    pure subroutine place_on_body_1(facing, points, places)
+        !> Flanks and their frames
+        type(facing_type), intent(in) :: facing
+        !> Points in the frame of body 2 [mm], shape (2, n)
+        real(wp), contiguous, intent(in) :: points(:, :)
+        !> The same in the frame of body 1 [mm], shape (2, n)
+        real(wp), contiguous, intent(out) :: places(:, :)
+
+        integer :: k
+        real(wp) :: cosine, sine, origin(2)
+
+        associate (one => facing%frame_1, two => facing%frame_2)
+            cosine = one%cosine*two%cosine + one%sine*two%sine
+            sine = one%cosine*two%sine - one%sine*two%cosine
+            origin = two%origin - one%origin
+            origin = [one%cosine*origin(1) + one%sine*origin(2), &
+                & one%cosine*origin(2) - one%sine*origin(1)]
+        end associate
+        do k = 1, size(points, 2)
+            places(1, k) = origin(1) + cosine*points(1, k) - sine*points(2, k)
+            places(2, k) = origin(2) + sine*points(1, k) + cosine*points(2, k)
+        end do
+    end subroutine place_on_body_1
 
     !> Compute the pair on the circle about O1 through the point s_1 of flank 1.
     pure subroutine pair_on_circle(facing, s_1, s_2_range, pair, found)

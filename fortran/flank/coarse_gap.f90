@@ -2,8 +2,7 @@
 !> far apart need not be minimized.
 module flankload_coarse_gap
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: frame_type
-    use flankload_circle_pair, only: facing_type, flank_type
+    use flankload_circle_pair, only: facing_type, place_on_body_1
     implicit none
     private
 
@@ -26,28 +25,31 @@ contains
         !> to the radius
         real(wp), parameter :: bend = 2.0_wp
         integer :: k, l, n, first
-        real(wp) :: least, low, high, part
-        real(wp), dimension(size(facing%flank_1%subset)) :: x_1, y_1, radius_1
-        real(wp), dimension(size(facing%flank_2%subset)) :: x_2, y_2, radius_2
+        real(wp) :: least, low, high
+        real(wp) :: radius_2(size(facing%flank_2%bulge)), vertex_2(2, size(radius_2))
 
         gap = huge(gap)
-        associate (flank_1 => facing%flank_1, flank_2 => facing%flank_2)
-            radius_1 = flank_1%radius(flank_1%subset)
-            call place_subset(flank_2, facing%frame_2, x_2, y_2)
-            radius_2 = sqrt(x_2**2 + y_2**2)
-            first = count(flank_1%subset <= flank_1%first_rising)
+        associate (flank_1 => facing%flank_1, flank_2 => facing%flank_2, &
+            & vertex_1 => facing%flank_1%vertex, radius_1 => facing%flank_1%vertex_radius)
+            call place_on_body_1(facing, flank_2%vertex, vertex_2)
+            radius_2 = sqrt(vertex_2(1, :)**2 + vertex_2(2, :)**2)
+            first = flank_1%rising_vertex
             n = size(radius_1)
             if (maxval(radius_2) < radius_1(first) .or. minval(radius_2) > radius_1(n)) return
-            call place_subset(flank_1, facing%frame_1, x_1, y_1)
             least = huge(least)
+            k = min(first, n - 1)
             do l = 1, size(radius_2)
                 if (radius_2(l) < radius_1(first) .or. radius_2(l) > radius_1(n)) cycle
-                k = min(n - 1, first - 1 + count(radius_1(first:) <= radius_2(l)))
-                part = fraction_at(radius_1(k:k + 1), radius_2(l))
-                least = min(least, half_tangent(x_1(k) + part*(x_1(k + 1) - x_1(k)), &
-                    & y_1(k) + part*(y_1(k + 1) - y_1(k)), x_2(l), y_2(l)) &
-                    & - 0.5_wp*(max(flank_1%bulge(k), flank_1%bulge(k + 1)) &
-                    & + flank_2%bulge(l))/radius_2(l))
+                ! the chord of flank 1 that the circle crosses is near that of the vertex before
+                do while (k > first .and. radius_1(k) > radius_2(l))
+                    k = k - 1
+                end do
+                do while (k < n - 1 .and. radius_1(k + 1) <= radius_2(l))
+                    k = k + 1
+                end do
+                least = min(least, half_tangent(point_on(vertex_1(:, k:k + 1), radius_1(k:k + 1), &
+                    & radius_2(l)), vertex_2(:, l)) &
+                    & - 0.5_wp*(maxval(flank_1%bulge(k:k + 1)) + flank_2%bulge(l))/radius_2(l))
             end do
             do l = 1, size(radius_2) - 1
                 low = min(radius_2(l), radius_2(l + 1))
@@ -55,11 +57,9 @@ contains
                 do k = first, n
                     if (radius_1(k) < low) cycle
                     if (radius_1(k) > high) exit
-                    part = fraction_at(radius_2(l:l + 1), radius_1(k))
-                    least = min(least, half_tangent(x_1(k), y_1(k), x_2(l) + part*(x_2(l + 1) &
-                        & - x_2(l)), y_2(l) + part*(y_2(l + 1) - y_2(l))) - 0.5_wp &
-                        & *(flank_1%bulge(k) + max(flank_2%bulge(l), flank_2%bulge(l + 1))) &
-                        & /radius_1(k))
+                    least = min(least, half_tangent(vertex_1(:, k), &
+                        & point_on(vertex_2(:, l:l + 1), radius_2(l:l + 1), radius_1(k))) &
+                        & - 0.5_wp*(flank_1%bulge(k) + maxval(flank_2%bulge(l:l + 1)))/radius_1(k))
                 end do
             end do
             if (least < huge(least)) gap = 2.0_wp*atan(least) - bend*(flank_1%longest_chord**2 &
@@ -67,47 +67,31 @@ contains
         end associate
     end function coarse_gap
 
-    !> Transform the coarse subset of the samples to the common frame.
-    pure subroutine place_subset(flank, frame, x, y)
-        !> Flank and frame of its body
-        type(flank_type), intent(in) :: flank
-        type(frame_type), intent(in) :: frame
-        !> Coordinates of the samples [mm], shape (size of the subset)
-        real(wp), intent(out) :: x(:)
-        real(wp), intent(out) :: y(:)
-
-        integer :: k
-
-        do k = 1, size(flank%subset)
-            associate (point => flank%point(:, flank%subset(k)))
-                x(k) = frame%origin(1) + frame%cosine*point(1) - frame%sine*point(2)
-                y(k) = frame%origin(2) + frame%sine*point(1) + frame%cosine*point(2)
-            end associate
-        end do
-    end subroutine place_subset
-
-    !> Return the fraction of a chord at which a circle about O1 crosses it.
-    pure function fraction_at(radii, radius) result(part)
-        !> Distances of the ends of the chord from O1 [mm], shape (2)
+    !> Return the point of a chord at which a circle about O1 crosses it [mm].
+    pure function point_on(chord, radii, radius) result(point)
+        !> Ends of the chord [mm], and their distances from O1 [mm]
+        real(wp), intent(in) :: chord(2, 2)
         real(wp), intent(in) :: radii(2)
         !> Radius of the circle [mm]
         real(wp), intent(in) :: radius
+        real(wp) :: point(2)
+
         real(wp) :: part
 
         part = 0.5_wp
         if (abs(radii(2) - radii(1)) > 0.0_wp) part = (radius - radii(1))/(radii(2) - radii(1))
-    end function fraction_at
+        point = chord(:, 1) + part*(chord(:, 2) - chord(:, 1))
+    end function point_on
 
-    !> Return the tangent of half the angle from a point to another one.
-    pure function half_tangent(x, y, u, v) result(tangent)
-        !> Coordinates of both points [mm]
-        real(wp), intent(in) :: x
-        real(wp), intent(in) :: y
-        real(wp), intent(in) :: u
-        real(wp), intent(in) :: v
+    !> Return the tangent of half the angle from a point of flank 1 to a point of flank 2.
+    pure function half_tangent(one, two) result(tangent)
+        !> The points [mm]
+        real(wp), intent(in) :: one(2)
+        real(wp), intent(in) :: two(2)
         real(wp) :: tangent
 
-        tangent = (x*v - y*u)/max(sqrt((x**2 + y**2)*(u**2 + v**2)) + x*u + y*v, tiny(1.0_wp))
+        tangent = (one(1)*two(2) - one(2)*two(1))/max(sqrt((one(1)**2 + one(2)**2) &
+            & *(two(1)**2 + two(2)**2)) + one(1)*two(1) + one(2)*two(2), tiny(1.0_wp))
     end function half_tangent
 
 end module flankload_coarse_gap

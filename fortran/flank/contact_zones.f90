@@ -104,7 +104,7 @@ contains
     !> Find all minima of the gap between two flanks.
     !>
     !> Conforming flanks have one zone per range of constant gap, at its middle.
-    pure subroutine find_zones(facing, site, closed_moment, zones, n_zones, conforms, lost)
+    pure subroutine find_zones(facing, site, closed_moment, scan, zones, n_zones, conforms, lost)
         !> Flanks and their frames
         type(facing_type), intent(in) :: facing
         !> Number of the site, which is stored in the zones
@@ -112,6 +112,8 @@ contains
         !> Gap along the normal that any load closes, times the lever [mm²]: a gap between
         !> conforming flanks that varies by less counts as constant
         real(wp), intent(in) :: closed_moment
+        !> Workspace
+        type(scan_type), intent(inout) :: scan
         !> Zones; those found are appended. If they do not fit, n_zones exceeds the size.
         type(zone_type), intent(inout) :: zones(:)
         !> Number of zones
@@ -122,13 +124,12 @@ contains
         logical, intent(out) :: lost
 
         integer :: n, i
-        type(scan_type) :: scan
         type(zone_type) :: zone
         type(even_type) :: even
         logical :: found
 
         call scan_gaps(facing, scan)
-        n = size(scan%s_1)
+        n = scan%n
         conforms = .false.
         lost = .false.
         scan%first = 1

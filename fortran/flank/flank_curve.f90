@@ -16,6 +16,10 @@ module flankload_flank_curve
     type :: flank_curve_type
         !> Arc lengths of the ends of the intervals [mm], ascending, shape (0:n)
         real(wp), allocatable :: breaks(:)
+        !> Even stretches per mm, and the first interval that reaches into each and beyond the last
+        !> one, shape (0:stretches)
+        real(wp) :: stretches_per_mm = 0.0_wp
+        integer, allocatable :: interval_at(:)
         !> Coefficients of x and y [mm] in ascending powers of s - breaks(k-1),
         !> shape (0:degree, 2, n)
         real(wp), allocatable :: coefficients(:, :, :)
@@ -42,6 +46,8 @@ module flankload_flank_curve
     !> Tolerances for the ends of a closed curve, relative to its length and as an angle [rad]: the
     !> accuracy of the curves
     real(wp), parameter :: same_place = 1.0e-9_wp, same_direction = 1.0e-6_wp
+    !> Stretches per interval: most of them lie in one interval
+    integer, parameter :: stretches_per_interval = 4
 
 contains
 
@@ -56,11 +62,17 @@ contains
         integer, intent(in) :: corners(:)
         type(flank_curve_type) :: curve
 
-        integer :: n, degree
+        integer :: n, degree, k, last
 
         n = size(breaks) - 1
         degree = size(coefficients, 1) - 1
         allocate (curve%breaks(0:n), source=breaks)
+        last = stretches_per_interval*n
+        curve%stretches_per_mm = last/max(curve_length(curve), tiny(1.0_wp))
+        allocate (curve%interval_at(0:last), source=n)
+        do k = n - 1, 1, -1
+            curve%interval_at(:min(last - 1, int(curve%stretches_per_mm*curve%breaks(k)))) = k
+        end do
         allocate (curve%coefficients(0:degree, 2, n), source=coefficients)
         allocate (curve%corners(0:n), source=corners /= 0)
         curve%closed = ends_meet(curve)
@@ -124,7 +136,7 @@ contains
 
         x = s
         if (curve%closed) x = modulo(s, curve_length(curve))
-        interval = interval_of(curve%breaks, x)
+        interval = interval_of(curve, x)
         degree = ubound(curve%coefficients, 1)
         x = x - curve%breaks(interval - 1)
         associate (c => curve%coefficients)
@@ -171,25 +183,29 @@ contains
         tangent = [frame%cosine*t(1) - frame%sine*t(2), frame%sine*t(1) + frame%cosine*t(2)]
     end subroutine placed_point
 
-    !> Return the number of the interval that contains s (bisection).
-    pure function interval_of(breaks, s) result(interval)
-        !> Arc lengths of the ends of the intervals [mm], shape (0:n)
-        real(wp), intent(in) :: breaks(0:)
+    !> Return the number of the interval that contains s: bisection between those of the ends of the
+    !> stretch.
+    pure function interval_of(curve, s) result(interval)
+        !> The curve
+        type(flank_curve_type), intent(in) :: curve
         !> Arc length [mm]
         real(wp), intent(in) :: s
         integer :: interval
 
-        integer :: low, high, middle
-        logical :: before
+        integer :: low, high, middle, stretch
 
-        low = 0
-        high = ubound(breaks, 1)
+        associate (at => curve%interval_at)
+            stretch = int(max(0.0_wp, min(ubound(at, 1) - 1.0_wp, s*curve%stretches_per_mm)))
+            low = at(stretch) - 1
+            high = at(stretch + 1)
+        end associate
         do while (high - low > 1)
             middle = (low + high)/2
-            ! merge avoids a branch that the processor would mispredict half of the time.
-            before = s < breaks(middle)
-            high = merge(middle, high, before)
-            low = merge(low, middle, before)
+            if (s < curve%breaks(middle)) then
+                high = middle
+            else
+                low = middle
+            end if
         end do
         interval = low + 1
     end function interval_of

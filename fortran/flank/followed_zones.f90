@@ -7,7 +7,7 @@ module flankload_followed_zones
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_even_gap, only: sum_of_curvatures
     use flankload_flank_curve, only: curve_length, placed_point
-    use flankload_gap_scan, only: beside_part
+    use flankload_gap_scan, only: beside_part, scan_type
     use flankload_least_gap, only: place_tolerance
     use flankload_polar_geometry, only: circle_meets_flank
     implicit none
@@ -26,6 +26,8 @@ module flankload_followed_zones
         integer, allocatable :: at(:, :)
         !> Gap along the normal that any load closes, times the lever [mm²]
         real(wp) :: closed_moment = 0.0_wp
+        !> Workspace
+        type(scan_type) :: scan
         !> True if flanks conform somewhere, and if a minimum could not be computed exactly
         logical :: conforms = .false., lost = .false.
     end type search_type
@@ -50,7 +52,8 @@ contains
         logical :: conforms, lost
 
         search%at(1, k) = search%n + 1
-        call find_zones(facing(k), k, search%closed_moment, search%zones, search%n, conforms, lost)
+        call find_zones(facing(k), k, search%closed_moment, search%scan, search%zones, search%n, &
+            & conforms, lost)
         search%at(2, k) = search%n
         search%conforms = search%conforms .or. conforms
         search%lost = search%lost .or. lost

@@ -1,7 +1,7 @@
 !> Cubic spline over chord length through the points of a flank.
 module flankload_node_curve
     use flankload_kinds, only: wp
-    use flankload_flank_curve, only: flank_curve_type
+    use flankload_flank_curve, only: flank_curve_type, new_flank_curve
     implicit none
     private
 
@@ -62,25 +62,24 @@ contains
         type(flank_curve_type) :: curve
 
         integer :: n, k
-        real(wp), allocatable :: slope(:, :), bend(:, :)
+        real(wp), allocatable :: breaks(:), coefficients(:, :, :), slope(:, :), bend(:, :)
 
         n = size(points, 2)
-        allocate (slope(2, n - 1))
-        allocate (curve%breaks(0:n - 1), curve%coefficients(0:3, 2, n - 1))
-        allocate (curve%corners(0:n - 1), source=.false.)
-        curve%breaks(0) = 0.0_wp
+        allocate (slope(2, n - 1), breaks(0:n - 1), coefficients(0:3, 2, n - 1))
+        breaks(0) = 0.0_wp
         do k = 1, n - 1
             slope(:, k) = (points(:, k + 1) - points(:, k))/step(k)
-            curve%breaks(k) = curve%breaks(k - 1) + step(k)
+            breaks(k) = breaks(k - 1) + step(k)
         end do
         bend = second_derivatives(step, slope)
         do k = 1, n - 1
-            curve%coefficients(0, :, k) = points(:, k)
-            curve%coefficients(1, :, k) = slope(:, k) &
+            coefficients(0, :, k) = points(:, k)
+            coefficients(1, :, k) = slope(:, k) &
                 & - step(k)*(2.0_wp*bend(:, k) + bend(:, k + 1))/6.0_wp
-            curve%coefficients(2, :, k) = 0.5_wp*bend(:, k)
-            curve%coefficients(3, :, k) = (bend(:, k + 1) - bend(:, k))/(6.0_wp*step(k))
+            coefficients(2, :, k) = 0.5_wp*bend(:, k)
+            coefficients(3, :, k) = (bend(:, k + 1) - bend(:, k))/(6.0_wp*step(k))
         end do
+        curve = new_flank_curve(breaks, coefficients, [(0, k=1, n)])
     end function spline
 
     !> Return the second derivatives of the spline at its points.

@@ -66,6 +66,7 @@ contains
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         integer :: b, k
+        integer, allocatable :: ends(:)
         real(wp), allocatable :: part(:, :)
 
         do k = 1, size(list)
@@ -77,9 +78,10 @@ contains
                 if (size(of) == size(matrix, 2)) then
                     call add_alone(bodies(b), places(b), matrix)
                 else if (size(of) > 0) then
-                    part = block_of(matrix, of, ends_of_runs(of))
+                    ends = ends_of_runs(of)
+                    part = block_of(matrix, of, ends)
                     call add_alone(bodies(b), places(b), part)
-                    call put_block(part, of, ends_of_runs(of), matrix)
+                    call put_block(part, of, ends, matrix)
                 end if
             end associate
         end do
@@ -109,9 +111,18 @@ contains
         integer, intent(in) :: of(:)
         integer, allocatable :: ends(:)
 
-        integer :: i
+        integer :: i, n
+        integer :: found(size(of))
 
-        ends = pack([(i, i=1, size(of))], [of(2:) /= of(:size(of) - 1) + 1, .true.])
+        n = 0
+        do i = 1, size(of)
+            if (i < size(of)) then
+                if (of(i + 1) == of(i) + 1) cycle
+            end if
+            n = n + 1
+            found(n) = i
+        end do
+        ends = found(:n)
     end function ends_of_runs
 
     !> Return the block of a matrix at some of its rows and columns.

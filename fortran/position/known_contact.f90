@@ -109,7 +109,7 @@ contains
             if (info == 0) call solve_cholesky(n, matrix, columns)
         end if
         if (info /= 0) return
-        call solve_motions(rows, columns, loads, motion, tangent, solved)
+        call solve_motions(rows, columns, loads, motion, solved, tangent)
         if (.not. solved) return
         if (size(loads) == 1) solved = tangent(1, 1) > 0.0_wp
         if (.not. solved) return

@@ -97,8 +97,8 @@ contains
         type(lumped_system), intent(inout) :: system
         !> Last forces of the zones [N], shape (zones)
         real(wp), intent(in) :: forces(:)
-        !> Pairs, one per contact
-        type(pairs_type), intent(out) :: pairs
+        !> Pairs, one per contact, for which there is room
+        type(pairs_type), intent(inout) :: pairs
         !> Set if a circle misses flank 2
         type(error_type), allocatable, intent(out) :: error
 
@@ -106,8 +106,8 @@ contains
         logical :: found
         real(wp) :: narrow, before
 
-        call reserve_pairs(pairs, size(system%of))
-        if (has_friction(meshes)) then
+        pairs%n = 0
+        if (has_friction(meshes) .and. .not. allocated(pairs%friction)) then
             allocate (pairs%sliding(size(system%of)), pairs%friction(size(system%of)), &
                 & source=0.0_wp)
         end if

@@ -13,7 +13,7 @@ module flankload_lumped_pass
     use flankload_lapack, only: potrf, set_product, solve_cholesky
     use flankload_lumped_place, only: place_type
     use flankload_mesh, only: body_type, has_friction, mesh_type
-    use flankload_motion_rows, only: closed_by_motions, rates_of, solve_motions
+    use flankload_motion_rows, only: closed_by_motions, rate_of, solve_motions
     use flankload_position_zones, only: position_type
     use flankload_position_state, only: count_lumped, position_state, take_contact
     use flankload_zone_influence, only: couple_friction
@@ -191,39 +191,41 @@ contains
         !> Linearized equations
         type(equations_type), intent(out) :: linear
 
-        integer :: c, k
-        real(wp), dimension(size(through_origin)) :: line, beside, open
+        integer :: c, k, n
+        real(wp) :: line, beside, open(size(through_origin))
         real(wp) :: rates(size(through_origin), size(motion))
 
-        associate (places => system%places(system%of), zones => position%zones(system%of))
-            do k = 1, size(places)
-                rates(k, :) = rates_of(position%motions, meshes(zones(k)%mesh), zones(k)%side, &
-                    & places(k)%closing)
-            end do
-            linear%matrix = system%coupling
-            linear%loads = system%loads
-            call straighten(places%force, places%approach, places%approach_slope, &
-                & through_origin, line, beside)
-            ! levers also depend on the force: this effect is of the order of the tolerance, but it
-            ! matters for the derivatives
-            open = position%gap(system%of) - closed_by_motions(rates, motion)
-            ! a free body (of motion NaN) carries nothing, whatever its gaps
-            where (ieee_is_nan(open)) open = 0.0_wp
-            line = line + places%lever_slope*open
-            beside = beside - places%lever_slope*open*places%force
-            allocate (linear%levers, linear%rows, mold=rates)
-            do c = 1, size(motion)
-                linear%levers(:, c) = rates(:, c)*places%lever
-                linear%rows(:, c) = rates(:, c)*places%torque_lever &
-                    & + rates(:, c)*places%torque_lever_slope*places%force
-                linear%loads(c) = linear%loads(c) &
-                    & + sum(rates(:, c)*places%torque_lever_slope*places%force**2)
-            end do
-            do k = 1, size(places)
-                linear%matrix(k, k) = linear%matrix(k, k) + line(k)
-            end do
-            linear%gaps = places%lever*position%gap(system%of) + beside
-        end associate
+        n = size(through_origin)
+        do k = 1, n
+            associate (zone => position%zones(system%of(k)), place => system%places(system%of(k)))
+                do c = 1, size(motion)
+                    rates(k, c) = rate_of(position%motions(c), meshes(zone%mesh), zone%side, &
+                        & place%closing)
+                end do
+            end associate
+        end do
+        ! levers also depend on the force: this effect is of the order of the tolerance, but it
+        ! matters for the derivatives
+        open = position%gap(system%of) - closed_by_motions(rates, motion)
+        ! a free body (of motion NaN) carries nothing, whatever its gaps
+        where (ieee_is_nan(open)) open = 0.0_wp
+        linear%matrix = system%coupling
+        linear%loads = system%loads
+        allocate (linear%levers, linear%rows, mold=rates)
+        allocate (linear%gaps(n))
+        do k = 1, n
+            associate (place => system%places(system%of(k)))
+                call straighten(place%force, place%approach, place%approach_slope, &
+                    & through_origin(k), line, beside)
+                linear%levers(k, :) = rates(k, :)*place%lever
+                linear%rows(k, :) = rates(k, :)*place%torque_lever &
+                    & + rates(k, :)*place%torque_lever_slope*place%force
+                linear%loads = linear%loads + rates(k, :)*place%torque_lever_slope*place%force**2
+                linear%matrix(k, k) = linear%matrix(k, k) + line + place%lever_slope*open(k)
+                linear%gaps(k) = place%lever*position%gap(system%of(k)) + beside &
+                    & - place%lever_slope*open(k)*place%force
+            end associate
+        end do
         call add_moments(system, forces, through_origin, linear)
         if (size(system%tangential, 2) > 0) call add_friction(position, system, through_origin, &
             & linear)
@@ -243,46 +245,51 @@ contains
         type(equations_type), intent(inout) :: linear
 
         integer :: k, n
-        real(wp) :: nearer
-        real(wp), dimension(size(forces)) :: own, tilt, give, give_slope, moment, arm
+        real(wp) :: own, nearer
+        real(wp), dimension(size(forces)) :: tilt, give, give_slope, moment, arm
         real(wp), dimension(size(forces), size(forces)) :: slopes, given, added
 
         n = size(forces)
-        associate (places => system%places(system%of))
-            call straighten(places%force, places%tilt(0), places%tilt(1), through_origin, own, tilt)
-            call straighten(places%force, places%give(0), places%give(1), through_origin, &
-                & give_slope, give)
-            slopes = system%slopes
+        slopes = system%slopes
+        do k = 1, n
+            associate (place => system%places(system%of(k)))
+                call straighten(place%force, place%tilt(0), place%tilt(1), through_origin(k), own, &
+                    & tilt(k))
+                call straighten(place%force, place%give(0), place%give(1), through_origin(k), &
+                    & give_slope(k), give(k))
+            end associate
+            slopes(k, k) = slopes(k, k) + own
+        end do
+        tilt = tilt + matmul(slopes, forces)
+        do k = 1, n
+            associate (place => system%places(system%of(k)))
+                ! a contact without load moves to its nearer end at most
+                nearer = minval(place%reach)
+                if (through_origin(k) .and. give_slope(k)*abs(tilt(k)) > nearer) &
+                    & give_slope(k) = nearer/abs(tilt(k))
+                give(k) = give(k) + give_slope(k)*forces(k)
+                moment(k) = merge(0.0_wp, place%moment(0), through_origin(k)) - give(k)*tilt(k)
+                arm(k) = merge(0.0_wp, place%moment(1), through_origin(k)) - give_slope(k)*tilt(k)
+            end associate
+        end do
+        do k = 1, n
+            added(:, k) = arm*slopes(:, k)
+        end do
+        if (.not. allocated(system%released)) then
             do k = 1, n
-                slopes(k, k) = slopes(k, k) + own(k)
+                given(:, k) = give*slopes(:, k)
             end do
-            tilt = tilt + matmul(slopes, forces)
-            ! a contact without load moves to its nearer end at most
-            do k = 1, n
-                if (.not. through_origin(k)) cycle
-                nearer = minval(places(k)%reach)
-                if (give_slope(k)*abs(tilt(k)) > nearer) give_slope(k) = nearer/abs(tilt(k))
-            end do
-            give = give + give_slope*forces
-            moment = merge(0.0_wp, places%moment(0), through_origin) - give*tilt
-            arm = merge(0.0_wp, places%moment(1), through_origin) - give_slope*tilt
-            do k = 1, n
-                added(:, k) = arm*slopes(:, k)
-            end do
-            if (.not. allocated(system%released)) then
-                do k = 1, n
-                    given(:, k) = give*slopes(:, k)
-                end do
-                allocate (system%released(n, n))
-                call set_product(n, n, n, slopes, given, n, system%released)
-            end if
-            added = added + transpose(added) - system%released
-            do k = 1, n
-                if (through_origin(k)) cycle
-                added(k, k) = added(k, k) + (places(k)%moment(2) - 0.5_wp*places(k)%give(2) &
-                    & *tilt(k))*tilt(k) + moment(k)*places(k)%tilt(2)
-            end do
-        end associate
+            allocate (system%released(n, n))
+            call set_product(n, n, n, slopes, given, n, system%released)
+        end if
+        added = added + transpose(added) - system%released
+        do k = 1, n
+            if (through_origin(k)) cycle
+            associate (place => system%places(system%of(k)))
+                added(k, k) = added(k, k) + (place%moment(2) - 0.5_wp*place%give(2)*tilt(k)) &
+                    & *tilt(k) + moment(k)*place%tilt(2)
+            end associate
+        end do
         linear%matrix = linear%matrix + added
         linear%gaps = linear%gaps + (arm + 0.5_wp*give_slope*tilt)*tilt &
             & + matmul(moment, slopes) - matmul(added, forces)
@@ -312,7 +319,7 @@ contains
         logical :: touches(size(forces))
         integer, allocatable :: on(:)
         real(wp), allocatable :: factor(:, :), x(:, :)
-        real(wp) :: moved(size(motion)), tangent(size(motion), size(motion)), found(size(forces))
+        real(wp) :: moved(size(motion)), found(size(forces))
 
         q = size(motion)
         touches = forces > 0.0_wp
@@ -322,12 +329,15 @@ contains
             solved = .false.
             if (size(on) == 0) return
             factor = linear%matrix(on, on)
-            x = reshape([linear%levers(on, :), linear%gaps(on)], [size(on), q + 1])
+            if (allocated(x)) deallocate (x)
+            allocate (x(size(on), q + 1))
+            x(:, :q) = linear%levers(on, :)
+            x(:, q + 1) = linear%gaps(on)
             call potrf(size(on), factor, info)
             if (info /= 0) return
             call solve_cholesky(size(on), factor, x)
             ! Eq. (18), (19): K F + g = B q and Rᵀ F = Q, so that F = K⁻¹B q - K⁻¹g
-            call solve_motions(linear%rows(on, :), x, linear%loads, moved, tangent, solved)
+            call solve_motions(linear%rows(on, :), x, linear%loads, moved, solved)
             if (.not. solved) return
             found = 0.0_wp
             found(on) = matmul(x(:, :q), moved) - x(:, q + 1)

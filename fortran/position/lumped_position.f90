@@ -320,7 +320,7 @@ contains
         integer :: c
         integer, allocatable :: held(:)
         logical :: solved
-        real(wp), allocatable :: moments(:, :), columns(:, :), parts(:), unused(:, :)
+        real(wp), allocatable :: moments(:, :), columns(:, :), parts(:)
 
         held = pack([(c, c=1, size(loads))], .not. state%free)
         moments = rates(:, held)*spread(state%pairs%torque_lever*state%forces, 2, size(held))
@@ -328,8 +328,8 @@ contains
         ! so that moments of working and coast flanks do not cancel
         columns(:, :size(held)) = rates(:, held)*spread(sign(1.0_wp, state%pairs%torque_lever), 2, &
             & size(held))
-        allocate (parts(size(held)), unused(size(held), size(held)))
-        call solve_motions(moments, columns, loads(held), parts, unused, solved)
+        allocate (parts(size(held)))
+        call solve_motions(moments, columns, loads(held), parts, solved)
         if (solved) state%forces = state%forces*(1.0_wp + matmul(columns(:, :size(held)), parts))
     end subroutine balance
 

@@ -12,7 +12,7 @@ module flankload_motion_rows
     implicit none
     private
 
-    public :: closed_by_displacements, closed_by_motions, in_fixed_frame, pair_rates, rates_of
+    public :: closed_by_displacements, closed_by_motions, in_fixed_frame, pair_rates, rate_of
     public :: displace_pairs, solve_motions, turned_to_fixed_frame, zone_rates
 
 contains
@@ -50,24 +50,6 @@ contains
             fixed = [along(1)*vector(1) - along(2)*y, along(2)*vector(1) + along(1)*y]
         end associate
     end function turned_to_fixed_frame
-
-    !> Return the rates of the motions.
-    pure function rates_of(motions, mesh, side, closing) result(rates)
-        !> The motions, and the mesh
-        type(motion_type), intent(in) :: motions(:)
-        type(mesh_type), intent(in) :: mesh
-        !> As in in_fixed_frame
-        real(wp), intent(in) :: side
-        real(wp), intent(in) :: closing(3, 2)
-        !> shape (motions)
-        real(wp) :: rates(size(motions))
-
-        integer :: c
-
-        do c = 1, size(motions)
-            rates(c) = rate_of(motions(c), mesh, side, closing)
-        end do
-    end function rates_of
 
     !> Return the rate of a motion.
     pure function rate_of(motion, mesh, side, closing) result(rate)
@@ -107,10 +89,13 @@ contains
         !> shape (zones, motions)
         real(wp) :: rates(size(zones), size(motions))
 
-        integer :: z
+        integer :: c, z
 
-        do z = 1, size(zones)
-            rates(z, :) = rates_of(motions, meshes(zones(z)%mesh), zones(z)%side, zones(z)%closing)
+        do c = 1, size(motions)
+            do z = 1, size(zones)
+                rates(z, c) = rate_of(motions(c), meshes(zones(z)%mesh), zones(z)%side, &
+                    & zones(z)%closing)
+            end do
         end do
     end function zone_rates
 
@@ -228,34 +213,36 @@ contains
     end subroutine displace_pairs
 
     !> Solve R^T (V q - w) = Q for the motions, with the solutions V of K V = B and w of K w = g.
-    pure subroutine solve_motions(rows, columns, loads, motion, tangent, solved)
+    pure subroutine solve_motions(rows, columns, loads, motion, solved, tangent)
         !> R, shape (n, motions)
         real(wp), intent(in) :: rows(:, :)
         !> V and w, shape (n, motions + 1)
         real(wp), intent(in) :: columns(:, :)
         !> Q, shape (motions)
         real(wp), intent(in) :: loads(:)
-        !> q, shape (motions), and its derivatives with respect to Q, shape (motions, motions)
+        !> q, shape (motions)
         real(wp), intent(out) :: motion(:)
-        real(wp), intent(out) :: tangent(:, :)
         !> False if the pairs do not restrain all motions
         logical, intent(out) :: solved
+        !> Derivatives of q with respect to Q, shape (motions, motions)
+        real(wp), intent(out), optional :: tangent(:, :)
 
         integer :: b, c, q
-        real(wp) :: matrix(size(loads), size(loads)), x(size(loads), size(loads) + 1)
+        real(wp) :: matrix(size(loads), size(loads))
+        real(wp), allocatable :: x(:, :)
 
         q = size(loads)
+        allocate (x(q, merge(q + 1, 1, present(tangent))), source=0.0_wp)
         do c = 1, q
             do b = 1, q
                 matrix(b, c) = dot_product(rows(:, b), columns(:, c))
             end do
             x(c, 1) = loads(c) + dot_product(rows(:, c), columns(:, q + 1))
-            x(:, c + 1) = 0.0_wp
-            x(c, c + 1) = 1.0_wp
+            if (present(tangent)) x(c, c + 1) = 1.0_wp
         end do
         call eliminate(matrix, x, solved)
         motion = x(:, 1)
-        tangent = x(:, 2:)
+        if (present(tangent)) tangent = x(:, 2:)
     end subroutine solve_motions
 
     !> Solve a few equations by Gauss elimination with exchange of rows.

@@ -14,7 +14,8 @@ module flankload_position_load
     use flankload_lumped_position, only: solve_lumped
     use flankload_mesh, only: body_type, configuration_type, level_lumped, level_pairs, &
         & mesh_type, motion_type
-    use flankload_position_zones, only: displace_contacts, locate_contacts, position_type
+    use flankload_position_zones, only: displace_contacts, locate_contacts, position_type, &
+        & undisplaced_gaps
     use flankload_zone_influence, only: couple_zones
     use flankload_position_cells, only: cells_type, check_grids, expected_pairs, lay_pairs, &
         & measure_reach, new_cells, reached_curvatures
@@ -119,7 +120,7 @@ contains
         subroutine locate(load, everywhere, at)
             !> Loads of the motions, shape (motions)
             real(wp), intent(in) :: load(:)
-            !> True if slices far from each other are searched as well
+            !> True if flanks far from each other are searched as well
             logical, intent(in) :: everywhere
             !> The position
             type(position_type), intent(inout) :: at
@@ -248,10 +249,11 @@ contains
         if (allocated(position%ends) .and. .not. allocated(error)) call note_ends(position, state)
     end subroutine solve_loads
 
-    !> Return whether a slice that was not searched could touch.
+    !> Return whether a site that was not searched could touch.
     !>
-    !> Forces on other flanks move a flank towards its mate by less than the gap that they close; a
-    !> factor of 2 is safe.
+    !> Forces on other flanks move a flank towards its mate by less than the gap that they close,
+    !> and known displacements and shifts move those far away as they move the others; a factor of 2
+    !> is safe.
     pure function may_miss(position, state, failed) result(may)
         !> The position
         type(position_type), intent(in) :: position
@@ -263,18 +265,23 @@ contains
 
         real(wp), parameter :: enough = 2.0_wp
         integer :: m
-        real(wp) :: least
-        real(wp), allocatable :: closed(:)
+        real(wp) :: least, unseen
+        real(wp), allocatable :: closed(:), shift(:)
 
         may = .false.
         if (.not. allocated(position%unseen)) return
         may = any(position%unseen < huge(1.0_wp))
         if (.not. may .or. failed) return
         closed = matmul(position%rates, state%motion)
+        shift = undisplaced_gaps(position, position%zones) - position%gap
         do m = 1, size(position%unseen)
-            least = minval(position%gap, mask=position%zones%mesh == m)
-            may = .not. position%unseen(m) > least + enough*maxval(abs(closed - least), &
-                & mask=position%zones%mesh == m .and. position%zones%side > 0.0_wp)
+            associate (own => position%zones%mesh == m)
+                least = minval(position%gap, mask=own)
+                unseen = position%unseen(m) - enough*maxval(shift, mask=own) &
+                    & + (enough - 1.0_wp)*minval(shift, mask=own)
+                may = .not. unseen > least + enough*maxval(abs(closed - least), &
+                    & mask=own .and. position%zones%side > 0.0_wp)
+            end associate
             if (may) return
         end do
     end function may_miss

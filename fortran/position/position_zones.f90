@@ -23,7 +23,7 @@ module flankload_position_zones
     private
 
     public :: position_type
-    public :: displace_contacts, locate_contacts
+    public :: displace_contacts, locate_contacts, undisplaced_gaps
 
     !> Frames of the flanks, zones, and compliance between the zones.
     type :: position_type
@@ -91,9 +91,9 @@ module flankload_position_zones
     !> A gap between conforming flanks counts as constant if it varies by less than this fraction of
     !> the gap that an equal share of the load closes: the whole range then carries load.
     real(wp), parameter :: closed_part = 0.5_wp
-    !> Slices are searched if the lower bound of their gap exceeds the least bound by no more than
+    !> Sites are searched if the lower bound of their gap exceeds the least bound by no more than
     !> this fraction of the length of flank 1, which usual loads do not close. It affects time only:
-    !> the other slices are searched if the load closes more.
+    !> the other sites are searched if the load closes more.
     real(wp), parameter :: search_margin = 0.02_wp
 
 contains
@@ -109,7 +109,7 @@ contains
         type(configuration_type), intent(in) :: configuration
         !> Loads of the motions [N mm or N], shape (motions); used only if flanks conform
         real(wp), intent(in) :: loads(:)
-        !> True if slices far from each other are searched as well
+        !> True if flanks far from each other are searched as well
         logical, intent(in) :: everywhere
         !> Position
         type(position_type), intent(out) :: position
@@ -129,8 +129,8 @@ contains
         allocate (position%unseen(size(meshes)), source=huge(1.0_wp))
         first = 1
         do m = 1, size(meshes)
-            call place_flanks(bodies, meshes(m), configuration%angles(:, m), everywhere &
-                & .or. .not. allocated(meshes(m)%slices), first, position, faces, unseen)
+            call place_flanks(bodies, meshes(m), configuration%angles(:, m), everywhere, &
+                & first, position, faces, unseen)
             position%unseen(m) = unseen
             call search_sites(bodies, meshes(m), faces, first, loads, position, found, error)
             if (allocated(error)) return
@@ -209,7 +209,7 @@ contains
         type(mesh_type), intent(in) :: mesh
         !> Angles of its bodies [rad], shape (2)
         real(wp), intent(in) :: angles(2)
-        !> True if slices far from each other are searched as well
+        !> True if flanks far from each other are searched as well
         logical, intent(in) :: everywhere
         !> Its first site
         integer, intent(in) :: first
@@ -220,11 +220,9 @@ contains
         !> Lower bound of the gap angle of the others [rad]
         real(wp), intent(out) :: unseen
 
-        !> Least lever relative to the radius: no flank is steeper.
-        real(wp), parameter :: least_lever = 0.5_wp
         integer :: k, site, last, n_working, sites(2)
         integer, allocatable :: sides(:)
-        real(wp) :: bounds(mesh%n_sites), radius(2), length
+        real(wp) :: bounds(mesh%n_sites)
 
         last = first + mesh%n_sites - 1
         sides = sides_of(mesh)
@@ -263,17 +261,38 @@ contains
         end do
         unseen = huge(1.0_wp)
         if (everywhere) return
-        ! flanks of all slices have the same radii
-        associate (flank => position%facing(first)%flank_1, faces => faces(first:last), &
-            & deviation => position%deviation(first:last))
-            length = curve_length(flank%curve)
-            radius = [flank%radius(flank%first_rising), maxval(flank%radius)]
-            bounds = bounds - max(0.0_wp, deviation)/(least_lever*radius(1)) &
-                & - min(0.0_wp, deviation)/radius(2)
-            faces = faces .and. bounds <= minval(bounds) + search_margin*length/radius(2)
-            unseen = minval(bounds, mask=.not. faces)
-        end associate
+        call leave_out(position%facing(first)%flank_1, position%deviation(first:last), sides, &
+            & bounds, faces(first:last), unseen)
     end subroutine place_flanks
+
+    !> Choose the sites to be searched by lower bounds of their gaps.
+    pure subroutine leave_out(flank, deviation, sides, bounds, faces, unseen)
+        !> Flank of body 1 at one of them; flanks of all slices have the same radii
+        type(flank_type), intent(in) :: flank
+        !> Deviations [mm], sides, and lower bounds of the gap angles without deviations [rad]
+        real(wp), intent(in) :: deviation(:)
+        integer, intent(in) :: sides(:)
+        real(wp), intent(in) :: bounds(:)
+        !> True for sites to be searched
+        logical, intent(inout) :: faces(:)
+        !> Lower bound of the gap angle of the others [rad]
+        real(wp), intent(out) :: unseen
+
+        !> Least lever relative to the radius: no flank is steeper.
+        real(wp), parameter :: least_lever = 0.5_wp
+        integer :: side
+        real(wp) :: least(size(bounds)), radius(2), margin
+
+        radius = [flank%radius(flank%first_rising), maxval(flank%radius)]
+        margin = search_margin*curve_length(flank%curve)/radius(2)
+        least = bounds - max(0.0_wp, deviation)/(least_lever*radius(1)) &
+            & - min(0.0_wp, deviation)/radius(2)
+        do side = -1, 1, 2
+            where (sides == side) faces = faces .and. least <= minval(least, mask=sides == side) &
+                & + margin
+        end do
+        unseen = minval(least, mask=.not. faces)
+    end subroutine leave_out
 
     !> Return the sides of the sites of a mesh.
     pure function sides_of(mesh) result(sides)
@@ -507,9 +526,7 @@ contains
 
         integer :: z
 
-        ! levers of the transverse section, of which those in slices are parts
-        gap = zones%gap_angle &
-            & - position%deviation(zones%site)/(zones%lever/zones%cosine)
+        gap = undisplaced_gaps(position, zones)
         do z = 1, size(zones)
             if (has_shift(bodies, zones(z))) gap(z) = gap(z) - shift_angle(bodies, zones(z))
             if (allocated(position%displacements)) gap(z) = gap(z) &
@@ -517,6 +534,18 @@ contains
                 & meshes(zones(z)%mesh), zones(z), zones(z)%nearest%point_1, zones(z)%closing)
         end do
     end function gaps_without_load
+
+    !> Return the gap angles with deviations only [rad].
+    pure function undisplaced_gaps(position, zones) result(gap)
+        !> Position with its deviations
+        type(position_type), intent(in) :: position
+        !> Zones
+        type(zone_type), intent(in) :: zones(:)
+        real(wp) :: gap(size(zones))
+
+        ! levers of the transverse section, of which those in slices are parts
+        gap = zones%gap_angle - position%deviation(zones%site)/(zones%lever/zones%cosine)
+    end function undisplaced_gaps
 
     !> Return whether the flanks of each site are on the facing side of both bodies.
     !>

@@ -15,7 +15,7 @@ module flankload_loop_start
     private
 
     public :: loop_state
-    public :: start_loop, start_cold, start_warm, drop_tensile
+    public :: start_loop, start_at_pairs, start_cold, start_warm, drop_tensile
 
     !> State of the loop; all quantities are scaled.
     type :: loop_state
@@ -61,9 +61,7 @@ contains
         real(wp), allocatable :: motion(:), distance_left(:), sizes(:)
 
         call feasible_start(problem, first, first_forces, motion, outcome)
-        allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
-        allocate (state%waiting(problem%n), state%pinned(problem%n), source=.false.)
-        allocate (state%motion(problem%n_motions), source=0.0_wp)
+        state = blank_state(problem)
         if (outcome == start_infeasible) then
             state%motion = motion
             state%none_proven = loads_infeasible(problem, first, motion)
@@ -78,6 +76,42 @@ contains
             call shift_gaps(problem, motion, pack(first, abs(distance_left) <= row_tolerance*sizes))
         end if
     end subroutine start_loop
+
+    !> Return a state without forces.
+    pure function blank_state(problem) result(state)
+        !> Scaled contact problem
+        type(contact_problem), intent(in) :: problem
+        type(loop_state) :: state
+
+        allocate (state%forces(problem%n), state%gaps(problem%n), source=0.0_wp)
+        allocate (state%waiting(problem%n), state%pinned(problem%n), source=.false.)
+        allocate (state%motion(problem%n_motions), source=0.0_wp)
+    end function blank_state
+
+    !> Start from a given active set without a search for forces that balance the loads: this one
+    !> has them. Motions are measured from its own.
+    pure subroutine start_at_pairs(problem, compliance, pairs, pivoted, state, ready)
+        !> Scaled contact problem, and the caller's compliance matrix K [mm/N], shape (n, n)
+        type(contact_problem), intent(inout) :: problem
+        real(wp), contiguous, intent(in) :: compliance(:, :)
+        !> The pairs
+        integer, intent(in) :: pairs(:)
+        !> True for a new factorization with row exchanges at every change
+        logical, intent(in) :: pivoted
+        !> State of the loop
+        type(loop_state), intent(out) :: state
+        !> False if no subset of these pairs balances the loads
+        logical, intent(out) :: ready
+
+        integer :: none(0)
+
+        state = blank_state(problem)
+        state%pivoted = pivoted
+        call start_warm(problem, compliance, pairs, state, ready)
+        if (.not. ready) return
+        call shift_gaps(problem, state%motion, none)
+        state%motion = 0.0_wp
+    end subroutine start_at_pairs
 
     !> Start from the pairs of the cold start.
     pure subroutine start_cold(problem, compliance, first, first_forces, state, ready)

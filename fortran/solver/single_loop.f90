@@ -14,7 +14,7 @@ module flankload_single_loop
     use flankload_bordered_system, only: append_pairs, drop_pair
     use flankload_bordered_solution, only: solve_bordered
     use flankload_equation_residual, only: restore_loads
-    use flankload_loop_start, only: loop_state, start_loop, start_cold, start_warm
+    use flankload_loop_start, only: loop_state, start_at_pairs, start_cold, start_loop, start_warm
     use flankload_final_refinement, only: first_leaving, most_penetrating, penetrates, refine_final
     use flankload_assertions, only: debugging, assert
     implicit none
@@ -65,13 +65,16 @@ contains
         logical :: ready, done
         integer :: entering
 
-        call start_loop(problem, first, first_forces, state, error)
-        if (allocated(error)) return
-        state%pivoted = pivoted
         ready = .false.
-        if (size(warm_pairs) > 0) call start_warm(problem, compliance, warm_pairs, state, ready)
+        ! with a single motion, the first pair to touch is found at once
+        if (size(warm_pairs) > 0 .and. problem%n_motions > 1) call start_at_pairs(problem, &
+            & compliance, warm_pairs, pivoted, state, ready)
         if (.not. ready) then
-            call start_cold(problem, compliance, first, first_forces, state, ready)
+            call start_loop(problem, first, first_forces, state, error)
+            if (allocated(error)) return
+            state%pivoted = pivoted
+            if (size(warm_pairs) > 0) call start_warm(problem, compliance, warm_pairs, state, ready)
+            if (.not. ready) call start_cold(problem, compliance, first, first_forces, state, ready)
             if (.not. ready) then
                 call fatal_error(error, singular_contact, 'the first pairs are linearly dependent')
                 return

@@ -139,7 +139,6 @@ contains
         type(error_type), allocatable :: error
         real(wp), allocatable :: estimate(:), matrix(:, :)
         real(wp) :: motion(1), clock
-        integer :: pivots
         integer, allocatable :: expected(:), active(:)
 
         associate (bodies => case%bodies, meshes => case%meshes, torque => case%torque)

@@ -1,5 +1,5 @@
 !> Tests of the zones of slices, on random involute flanks with sharp or rounded tips: none has a
-!> smaller gap than the lower bound by which slices are selected, and those that follow from other
+!> smaller gap than the lower bound by which sites are selected, and those that follow from other
 !> slices are those of a search. A failed test stops the program with an error.
 program test_coarse_gap
     use flankload, only: wp
@@ -8,6 +8,7 @@ program test_coarse_gap
     use flankload_circle_pair, only: facing_type, flank_type, new_flank
     use flankload_contact_zones, only: find_zones, zone_type
     use flankload_followed_zones, only: search_between, search_site, search_type
+    use flankload_gap_scan, only: scan_type
     implicit none
 
     integer, parameter :: n_pairs = 40, n_places = 60
@@ -19,6 +20,7 @@ program test_coarse_gap
     logical :: conforms, lost
     type(flank_type), target :: flank_1, flank_2
     type(facing_type) :: facing
+    type(scan_type) :: scan
     type(zone_type) :: zones(8)
     integer, allocatable :: seed(:)
 
@@ -46,7 +48,7 @@ program test_coarse_gap
                 & + 0.1_wp*(draws(2) - 0.3_wp))
             bound = coarse_gap(facing)
             n_zones = 0
-            call find_zones(facing, 1, 0.0_wp, zones, n_zones, conforms, lost)
+            call find_zones(facing, 1, 0.0_wp, scan, zones, n_zones, conforms, lost)
             if (n_zones == 0) then
                 n_far = n_far + 1
                 cycle
