@@ -265,8 +265,9 @@ contains
             associate (place => system%places(system%of(k)))
                 ! a contact without load moves to its nearer end at most
                 nearer = minval(place%reach)
-                if (through_origin(k) .and. give_slope(k)*abs(tilt(k)) > nearer) &
-                    & give_slope(k) = nearer/abs(tilt(k))
+                if (through_origin(k) .and. give_slope(k)*abs(tilt(k)) > nearer) then
+                    give_slope(k) = nearer/abs(tilt(k))
+                end if
                 give(k) = give(k) + give_slope(k)*forces(k)
                 moment(k) = merge(0.0_wp, place%moment(0), through_origin(k)) - give(k)*tilt(k)
                 arm(k) = merge(0.0_wp, place%moment(1), through_origin(k)) - give_slope(k)*tilt(k)
