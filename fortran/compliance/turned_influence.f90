@@ -17,7 +17,7 @@ module flankload_turned_influence
 
 contains
 
-    !> Add the displacements by modes of one body due to turned forces.
+    !> Add the displacements by modes of one body due to turned forces to the lower triangle.
     pure subroutine add_turned_modes(body, places, matrix)
         !> Compliance of the body
         type(compliance_type), intent(in) :: body
@@ -26,7 +26,7 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: k, m, n, first, last, row, row_last
+        integer :: j, k, m, n, first, last, row, row_last
         integer, allocatable :: at(:)
         real(wp), allocatable :: loads(:, :), displaced(:, :), part(:, :)
 
@@ -50,15 +50,19 @@ contains
                     & displaced, n, part(row, 1))
             end do
             do k = 1, size(at)
-                matrix(:, at(k)) = matrix(:, at(k)) + part(:, k)
-                matrix(at(k), :) = matrix(at(k), :) + part(:, k)   ! Betti
+                matrix(at(k):, at(k)) = matrix(at(k):, at(k)) + part(at(k):, k)
+            end do
+            do j = 1, last
+                do k = 1, size(at)
+                    if (at(k) >= j) matrix(at(k), j) = matrix(at(k), j) + part(j, k)   ! Betti
+                end do
             end do
             deallocate (displaced, part)
         end do
     end subroutine add_turned_modes
 
     !> Add the displacements due to images behind free corners of the parts of forces along a flank
-    !> [mm/N], Eq. (W3).
+    !> [mm/N] to the lower triangle, Eq. (W3).
     pure subroutine add_turned_images(along, images, matrix)
         !> Parts of the forces along the flank of its adjacent places, shape (m)
         real(wp), intent(in) :: along(:)
@@ -67,15 +71,10 @@ contains
         !> K of these places [mm/N], shape (m, m)
         real(wp), intent(inout) :: matrix(:, :)
 
-        integer :: i, j
-        real(wp) :: both
+        integer :: j
 
         do j = 1, size(along)
-            do i = j, size(along)
-                both = (along(i) + along(j))*images(i, j)
-                matrix(i, j) = matrix(i, j) + both
-                if (i /= j) matrix(j, i) = matrix(j, i) + both
-            end do
+            matrix(j:, j) = matrix(j:, j) + (along(j:) + along(j))*images(j:, j)
         end do
     end subroutine add_turned_images
 

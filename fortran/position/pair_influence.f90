@@ -40,16 +40,16 @@ contains
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
         integer :: b
-        type(contribution_type) :: symmetric(6), other(5)
+        type(contribution_type) :: symmetric(8), other(3)
         type(places_type) :: places(size(bodies))
 
         ! symmetric ones add to the lower triangle, which is then copied to the upper one
         symmetric = [contribution_type(together=elastic_modes), &
             & contribution_type(together=cells_in_slices), contribution_type(alone=near_field), &
-            & contribution_type(alone=add_shaft), contribution_type(alone=add_support), &
-            & contribution_type(together=add_carrier)]
-        other = [contribution_type(alone=turned_forces), &
-            & contribution_type(together=turned_in_slices), contribution_type(alone=friction), &
+            & contribution_type(alone=turned_forces), &
+            & contribution_type(together=turned_in_slices), contribution_type(alone=add_shaft), &
+            & contribution_type(alone=add_support), contribution_type(together=add_carrier)]
+        other = [contribution_type(alone=friction), &
             & contribution_type(together=friction_in_slices), contribution_type(alone=slide_shaft)]
         do b = 1, size(bodies)
             places(b) = places_at_pairs(b, bodies(b), meshes, zones, pairs)

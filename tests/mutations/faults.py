@@ -160,7 +160,7 @@ _FORTRAN = (
     *_in(
         "turned_influence.f90",
         "physics/test_corner_image.py",
-        ("matrix(at(k), :) = matrix(at(k), :) + part(:, k)   ! Betti", "continue"),
+        ("matrix(at(k), j) + part(j, k)   ! Betti", "matrix(at(k), j)"),
     ),
     *_in(
         "body_places.f90",
