@@ -252,7 +252,7 @@ contains
     !> Return whether a site that was not searched could touch.
     !>
     !> Forces on other flanks move a flank towards its mate by less than the gap that they close,
-    !> and known displacements and shifts move those far away as they move the others; a factor of 2
+    !> known displacements and shifts by less than twice the most of any other flank: a factor of 2
     !> is safe.
     pure function may_miss(position, state, failed) result(may)
         !> The position
@@ -277,8 +277,8 @@ contains
         do m = 1, size(position%unseen)
             associate (own => position%zones%mesh == m)
                 least = minval(position%gap, mask=own)
-                unseen = position%unseen(m) - enough*maxval(shift, mask=own) &
-                    & + (enough - 1.0_wp)*minval(shift, mask=own)
+                unseen = position%unseen(m) - maxval(shift, mask=own) &
+                    & - (enough - 1.0_wp)*maxval(abs(shift), mask=own)
                 may = .not. unseen > least + enough*maxval(abs(closed - least), &
                     & mask=own .and. position%zones%side > 0.0_wp)
             end associate
