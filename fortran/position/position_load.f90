@@ -252,8 +252,8 @@ contains
     !> Return whether a site that was not searched could touch.
     !>
     !> Forces on other flanks move a flank towards its mate by less than the gap that they close,
-    !> known displacements and shifts by less than twice the most of any other flank: a factor of 2
-    !> is safe.
+    !> known displacements and shifts by little more than any other flank: a factor of 2 on the
+    !> differences between flanks is safe.
     pure function may_miss(position, state, failed) result(may)
         !> The position
         type(position_type), intent(in) :: position
@@ -264,6 +264,8 @@ contains
         logical :: may
 
         real(wp), parameter :: enough = 2.0_wp
+        !> Part of a displacement by which it moves flanks with other normals further
+        real(wp), parameter :: aslant = 0.25_wp
         integer :: m
         real(wp) :: least, unseen
         real(wp), allocatable :: closed(:), shift(:)
@@ -277,8 +279,9 @@ contains
         do m = 1, size(position%unseen)
             associate (own => position%zones%mesh == m)
                 least = minval(position%gap, mask=own)
-                unseen = position%unseen(m) - maxval(shift, mask=own) &
-                    & - (enough - 1.0_wp)*maxval(abs(shift), mask=own)
+                unseen = position%unseen(m) - enough*maxval(shift, mask=own) &
+                    & + (enough - 1.0_wp)*minval(shift, mask=own) &
+                    & - aslant*maxval(abs(shift), mask=own)
                 may = .not. unseen > least + enough*maxval(abs(closed - least), &
                     & mask=own .and. position%zones%side > 0.0_wp)
             end associate

@@ -222,7 +222,7 @@ contains
 
         integer :: k, site, last, n_working, sites(2)
         integer, allocatable :: sides(:)
-        real(wp) :: bounds(mesh%n_sites)
+        real(wp) :: bounds(mesh%n_sites), moved
 
         last = first + mesh%n_sites - 1
         sides = sides_of(mesh)
@@ -261,14 +261,20 @@ contains
         end do
         unseen = huge(1.0_wp)
         if (everywhere) return
-        call leave_out(position%facing(first)%flank_1, position%deviation(first:last), sides, &
-            & bounds, faces(first:last), unseen)
+        moved = 0.0_wp
+        if (allocated(position%displacements)) moved = norm2(position%displacements(:2, &
+            & mesh%bodies(2)) - position%displacements(:2, mesh%bodies(1)))
+        call leave_out(position%facing(first)%flank_1, moved, position%deviation(first:last), &
+            & sides, bounds, faces(first:last), unseen)
     end subroutine place_flanks
 
     !> Choose the sites to be searched by lower bounds of their gaps.
-    pure subroutine leave_out(flank, deviation, sides, bounds, faces, unseen)
+    pure subroutine leave_out(flank, moved, deviation, sides, bounds, faces, unseen)
         !> Flank of body 1 at one of them; flanks of all slices have the same radii
         type(flank_type), intent(in) :: flank
+        !> Known displacement of the bodies relative to each other [mm]: where it closes gaps, forces
+        !> and displacements by them are larger
+        real(wp), intent(in) :: moved
         !> Deviations [mm], sides, and lower bounds of the gap angles without deviations [rad]
         real(wp), intent(in) :: deviation(:)
         integer, intent(in) :: sides(:)
@@ -284,7 +290,7 @@ contains
         real(wp) :: least(size(bounds)), radius(2), margin
 
         radius = [flank%radius(flank%first_rising), maxval(flank%radius)]
-        margin = search_margin*curve_length(flank%curve)/radius(2)
+        margin = (search_margin*curve_length(flank%curve) + 2.0_wp*moved)/radius(2)
         least = bounds - max(0.0_wp, deviation)/(least_lever*radius(1)) &
             & - min(0.0_wp, deviation)/radius(2)
         do side = -1, 1, 2
