@@ -272,8 +272,8 @@ contains
     pure subroutine leave_out(flank, moved, deviation, sides, bounds, faces, unseen)
         !> Flank of body 1 at one of them; flanks of all slices have the same radii
         type(flank_type), intent(in) :: flank
-        !> Known displacement of the bodies relative to each other [mm]: where it closes gaps, forces
-        !> and displacements by them are larger
+        !> Known displacement of the bodies relative to each other [mm]: where it closes gaps,
+        !> forces and what they displace are larger
         real(wp), intent(in) :: moved
         !> Deviations [mm], sides, and lower bounds of the gap angles without deviations [rad]
         real(wp), intent(in) :: deviation(:)
