@@ -3,11 +3,13 @@
 FLANKLOAD_ESTIMATE=… sets another number of scenes than 42, FLANKLOAD_SEED=… draws others,
 FLANKLOAD_DIMENSION=3 draws gears and rings in three dimensions, with other widths, shafts and webs;
 their finer solutions have cells. They stay in out/bench_estimate_SEED, so that a changed estimate
-costs the plain runs alone; a run that was stopped goes on from there.
+costs the plain runs alone; a run that was stopped goes on from there. Errors of all scenes by
+source are left there, too.
 """
 
 from __future__ import annotations
 
+import json
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -19,7 +21,7 @@ from flankload.errors import PremiseError
 from tests.support.finer_solutions import QUANTITIES, compared, kept_truth
 from tests.support.random_scenes import SEED, scenes, spatial_scenes
 
-STORE = "out/bench_estimate_{}/{}.npz"
+STORE = "out/bench_estimate_{}"
 #: Errors below are rounding; of load shares they are counted apart (one pair alone, all alike).
 LEAST = 1e-9
 LEAST_SHARE = 1e-7
@@ -34,10 +36,12 @@ def run() -> str:
     if os.environ.get("FLANKLOAD_DIMENSION") == "3":
         drawn = list(spatial_scenes(count, seed=seed))
         name += "_spatial"
+    folder = Path(STORE.format(name))
     for k, (kind, scene) in enumerate(drawn):
         with suppress(PremiseError):
-            if truth := kept_truth(scene, Path(STORE.format(name, k))):
-                found.append({"kind": kind, **compared(scene, truth)})
+            if truth := kept_truth(scene, folder / f"{k}.npz"):
+                found.append({"kind": kind, "number": k, **compared(scene, truth)})
+    (folder / "errors.json").write_text(json.dumps(found, indent=1))
     lines = table(found)
     if left_out := len(drawn) - len(found):
         lines.append(f"{left_out} left out: refused for their load, or solved too slowly")

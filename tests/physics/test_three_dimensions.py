@@ -485,6 +485,22 @@ def test_lumped_error_is_that_beside_cells(tips: str) -> None:
     assert 0.5 * shares < error["load_share"] < 3.2 * shares
 
 
+def test_sampling_error_is_that_beside_four_times_as_many_positions() -> None:
+    """Regression: peaks of line loads between positions were missed. The change is in doubt."""
+    found, many = (
+        solve(HELICAL, accuracy__slices=28, positions__count=count, accuracy__estimate=count == 4)
+        for count in (4, 16)
+    )
+    assert found.estimate is not None
+    errors = found.estimate["by_source"]["positions"]
+    for name in ("face_load_factor", "line_load_factor"):
+        change = abs(getattr(many, name) / getattr(found, name) - 1.0)
+        assert change > 0
+        assert errors[name] == pytest.approx(2.0 * change, rel=SOLVER), name
+    mean = abs(many.rotation_rad.mean() / found.rotation_rad.mean() - 1.0)
+    assert errors["transmission_error_mean"] >= mean
+
+
 def test_no_warning_names_a_contact_model_that_slices_lack() -> None:
     """Contacts of the example reach the ends of its flanks; there are no cells for them."""
     found = solve(HELICAL, **OVER_A_PITCH)

@@ -2,9 +2,9 @@
 
 Changes by another compliance, by other cells or slices vary slowly from one position to the next,
 except where a pair enters contact or lies on a corner. A few positions therefore show the largest
-changes and their mean: those with the most load on corners or beside corners, kinks and ends, with
-the largest pressure off corners, the largest line load, the largest and the smallest rotation, the
-least load of a pair, and some in the widest gaps between these.
+changes and their mean: those with the largest pressure off corners, the largest line load, the
+largest and the smallest rotation, the least load of a pair, the most load on corners or beside
+corners, kinks and ends, and some in the widest gaps between these.
 """
 
 from __future__ import annotations
@@ -21,12 +21,18 @@ if TYPE_CHECKING:
 
     from flankload.contact.sweep import Sweep
 
-#: Number of positions.
-DECIDING = 12
+#: Number of positions in the plane, and with a width, where slices enter contact in turn: twelve
+#: show the same there on random scenes.
+DECIDING, DECIDING_OF_SLICES = 12, 8
 
 
-def deciding_positions(found: Sweep) -> NDArray[np.int64]:
-    """Indices of the deciding positions of a sweep, ascending; all of them if there are few."""
+def n_deciding(*, plane: bool, meshes: int = 1) -> int:
+    """Number of deciding positions; with a width, each shows several meshes in different phases."""
+    return DECIDING if plane else DECIDING_OF_SLICES // min(meshes, 2)
+
+
+def deciding_positions(found: Sweep, most: int) -> NDArray[np.int64]:
+    """Indices of the deciding positions of a sweep, ascending: `most`, or all if fewer."""
     corner, force = found.slices.corner_off_ends, found.slices.force_N
     which = on_corner(corner), is_marked(corner)
     on_corners, marked = (np.where(loads, force, 0.0).sum(axis=(1, 2)) for loads in which)
@@ -36,9 +42,9 @@ def deciding_positions(found: Sweep) -> NDArray[np.int64]:
     least = -np.where(forces > 0, forces, np.inf).min(axis=1)
     peaks = np.where(on_corner(found.site_corner), 0.0, found.site_peak_N_per_mm).max(axis=1)
     largest = (peaks, largest_line_loads(found), rotation, -rotation, least)
-    most = (values.argmax() for values in largest)
-    wanted = {*map(int, worst), *map(int, most)}
-    while len(wanted) < min(DECIDING, count):
+    named = dict.fromkeys([*(int(values.argmax()) for values in largest), *map(int, worst)])
+    wanted = set(list(named)[:most])
+    while len(wanted) < min(most, count):
         there = np.array(sorted(wanted))
         gaps = np.diff(there, append=there[0] + count)
         widest = int(gaps.argmax())

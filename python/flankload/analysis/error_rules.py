@@ -51,10 +51,8 @@ class Rule:
     doubt, doubt_pressure : float
         Deviation of an error at one position from that, relative to the change there; the same for
         a pressure.
-    doubt_overall : float
-        The same for means, relative to the change of the mean.
-    doubt_scatter : float
-        Further deviation of means, relative to the mean absolute change.
+    doubt_overall : float or None
+        The same for means, relative to the change of the mean; None: `doubt`.
     shares : float
         Doubt of load shares over that of rotations: shares are ratios of two flanks, which may err
         in opposite directions.
@@ -63,8 +61,7 @@ class Rule:
     part: float
     doubt: float
     doubt_pressure: float
-    doubt_overall: float
-    doubt_scatter: float = 0.0
+    doubt_overall: float | None = None
     shares: float = 1.0
 
 
@@ -73,7 +70,7 @@ STRIPS = Rule(1 / 3, 2 / 3, 2 / 3, 1 / 3)
 #: Without the two highest modes, if contacts cover more than this part of a flank or a rounding
 #: carries load: at the ends the terms hardly decrease.
 COVERED = 0.5
-MODES = Rule(0.4, 2.3, 1.0, 2.3)
+MODES = Rule(0.4, 2.3, 1.0)
 #: Error of peak pressures, relative to the largest change of the load share. The change of the
 #: peaks by the two highest modes is a poor measure, since the curvature of these near the ends of a
 #: flank is not that of the omitted modes (112 gears and rings: correlation of the logarithms 0.45
@@ -83,22 +80,22 @@ MODES = Rule(0.4, 2.3, 1.0, 2.3)
 SHARE_TO_PEAK = 3.0
 #: Half as many nodes or slices: if the error is only proportional to their distance, it equals the
 #: change.
-NODES = Rule(0.5, 0.5, 0.5, 0.5)
+NODES = Rule(0.5, 0.5, 0.5)
 #: Half as many slices, compared on these. A slice in which a contact ends has the same relative
 #: error at any width, and its two halves together have at most half of that error: the error of
 #: line loads and pressures is at most twice the change.
-SLICES = Rule(0.5, 0.5, 1.5, 0.5)
+SLICES = Rule(0.5, 0.5, 1.5)
 #: Without the two highest modes along the profile or degrees along the axis. Rotations and load
 #: shares converge like a geometric series, of which a quarter of the last steps remains. Line loads
 #: and pressures at an end converge with the second power of these numbers, so that from 3 to 5
 #: degrees a half of the change remains; signs vary, and changes of two sources may cancel.
-SERIES = Rule(0.0, 0.25, 0.75, 0.25, shares=2.0)
+SERIES = Rule(0.0, 0.25, 0.75, shares=2.0)
 #: Doubt of single line loads, relative to that of pressures and of the largest line load: where a
 #: contact ends within a slice, they change with the first power of the slices' width.
 LINE_LOADS = 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
-ELEMENTS = Rule(-1.45, 1.0, 2.0, 1.0, shares=2.0)
+ELEMENTS = Rule(-1.45, 1.0, 2.0, shares=2.0)
 #: Doubt of the peak to peak, relative to the changes at the largest and the smallest rotation.
 EXTREMES = 0.35
 #: A half-ellipse of pressure with its middle on the edge of two cells appears lower by 0.5 % with
@@ -259,9 +256,9 @@ def _of_mean(rule: Rule, change: Floats, values: Floats) -> RemainingError:
     whole = abs(float(values.mean()))
     if whole == 0:
         return RemainingError(0.0, 0.0)
-    mean, scatter = float(change.mean()) / whole, float(np.abs(change).mean()) / whole
-    doubt = float(np.hypot(rule.doubt_overall * mean, rule.doubt_scatter * scatter))
-    return RemainingError(rule.part * mean, doubt)
+    mean = float(change.mean()) / whole
+    doubt = rule.doubt if rule.doubt_overall is None else rule.doubt_overall
+    return RemainingError(rule.part * mean, doubt * abs(mean))
 
 
 def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> RemainingError:

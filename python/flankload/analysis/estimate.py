@@ -193,7 +193,7 @@ def estimate_errors(
     *,
     variants: Mapping[str, Mapping[str, object]],
     at: Numbers | None = None,
-    lumped: Callable[[int], dict[str, RemainingError]] | None = None,
+    lumped: Callable[[int, Sweep], dict[str, RemainingError]] | None = None,
     roots: Callable[[Sweep], RootTension | None] = lambda _: None,
     sources: Mapping[str, Callable[[Sweep], dict[str, RemainingError]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
@@ -205,7 +205,8 @@ def estimate_errors(
         The sweep, one part per torque, each with its tangents.
     run : callable
         run(compliances=…, grid=…, part=…) repeats the sweep with other compliances or cells at the
-        positions `at`; part counts the calls from 0.
+        positions `at`; part counts the calls from 0. Lumped contacts with a width: on the slices of
+        the variant "slices".
     compliances
         Compliances of the sweep.
     cells : Grid
@@ -218,8 +219,8 @@ def estimate_errors(
     at : (n,) array or None
         Indices of the positions at which sweeps are repeated; None for all.
     lumped : callable or None
-        Errors of the lumped contacts of a torque, by its index, empty if they are unknown; None if
-        contacts have cells.
+        Errors of the lumped contacts of a torque, by its index and the reduced sweep that others
+        are compared with, empty if they are unknown; None if contacts have cells.
     roots : callable
         Tension in the roots at the positions `at`; None without root stress.
     sources : mapping
@@ -235,10 +236,12 @@ def estimate_errors(
     others: dict[str, tuple[Sweep, ...]] = {}
     for number, (source, arguments) in enumerate(variants.items(), start=1):
         # the states of a reduced sweep may not converge where those of the sweep do
-        with nullcontext() if source == "modes" else suppress(ContactError):
+        with suppress(ContactError) if "slices" in variants else nullcontext():
             others[source] = run(
                 **{"compliances": compliances, **arguments}, grid=cells, part=number
             )
+    if lumped is not None and "slices" in variants:
+        others, coarse = (others, others["slices"]) if "slices" in others else ({}, some)
     unknown = [source for source in variants if source not in others]
     estimates = []
     for t, (whole, part) in enumerate(zip(found, some, strict=True)):
@@ -246,7 +249,7 @@ def estimate_errors(
         if lumped is None:
             errors |= _of_cells(part, coarse[t], weights)
         else:
-            errors["lumped"] = lumped(t)
+            errors["lumped"] = lumped(t, coarse[t])
         missing = ", ".join([*unknown, *(source for source in errors if not errors[source])])
         each = {source: other[t] for source, other in others.items()}
         slowly = _converges_slowly(whole, compliances)
@@ -316,7 +319,7 @@ def _of_compliances(
         source: remaining_errors(
             rules.get(source, SERIES),
             part,
-            coarse,
+            part if other is coarse else coarse,
             other,
             weights,
         )

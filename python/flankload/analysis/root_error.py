@@ -7,8 +7,8 @@ that of a place along the axis, often near an end of the contact; modes, degrees
 degrees of the stress itself converge there as line loads do. Stress is read at the points of an
 edge where that of quadratic elements is most accurate, so that recovered stresses are no better;
 but like the displacement of a flank it is a product of two fields, that of the load and that of a
-dipole in the fillet. Both have the relative error that recovery shows there, and their product its
-square.
+dipole in the fillet. Both have the relative error that recovery shows there, their product its
+square, and recovery shows as much of it as of that of a displacement.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from flankload.analysis.error_rules import (
+    ELEMENTS,
     ROOT_STRESS,
     SERIES,
     RemainingError,
@@ -40,8 +41,6 @@ if TYPE_CHECKING:
 
 #: Part of the effect of the two highest modes that the following ones add at most in the plane.
 FOLLOWING = 0.3
-#: Error by elements over the square of the difference of recovered strains.
-SQUARE = 2.5
 
 
 class RootTension(NamedTuple):
@@ -119,7 +118,7 @@ def add_root_errors(
         of_share = quantities.get("load_share", RemainingError(0.0, 0.0))
         own = following * roots.omitted.get(source, 0.0)
         if source == "elements":
-            own = SQUARE * roots.difference**2 * roots.tension
+            own = (abs(ELEMENTS.part) + ELEMENTS.doubt) * roots.difference**2 * roots.tension
         doubts = per_share * (np.abs(of_share.error) + of_share.doubt), own
         each = RemainingError(0.0, np.hypot(*doubts))
         if np.any(each.doubt):

@@ -15,19 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.adaptive_positions import overshoot
-from flankload.analysis.error_rules import (
-    FACE_LOAD,
-    LINE_FACTOR,
-    PEAK_LINE,
-    RemainingError,
-    mean_stiffness,
-)
-from flankload.analysis.load_factors import (
-    face_load_factor,
-    largest_line_loads,
-    line_load_factors,
-)
-from flankload.result.position_order import order_of
+from flankload.analysis.error_rules import RemainingError, mean_stiffness
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -51,54 +39,6 @@ LEAST_OPEN = 3
 #: less in between. Assumed distance of both events relative to the interval, and effect on the
 #: rotation relative to that on the stiffness.
 HIDDEN, HIDDEN_ROTATION = 0.5, 0.06
-
-
-def of_positions(
-    found: Sweep, window: Window, position_rad: Floats, *, adaptive: bool = False
-) -> dict[str, RemainingError]:
-    """`between_positions`, in three dimensions also those of load factors and line load."""
-    errors = between_positions(found, window, position_rad, adaptive=adaptive)
-    if not found.slices.plane and position_rad.size > 1:
-        errors[LINE_FACTOR] = _of_largest(line_load_factors(found))
-        errors[PEAK_LINE] = _of_largest(largest_line_loads(found))
-        errors[FACE_LOAD] = _of_mean_load(found, window, position_rad)
-        if found.slices.conforming:
-            errors[FACE_LOAD] = errors[LINE_FACTOR]
-    return errors
-
-
-def _of_largest(values: Floats) -> RemainingError:
-    """Error of the largest value.
-
-    A curve that jumps beside the sample continues for one step at most, as the parabola through the
-    sample and both on its smooth side, if that bends downwards.
-    """
-    at = int(values.argmax())
-    around = values[(at + np.array([[-1, -2], [1, 2]])) % values.size]
-    one, (two, three) = values[at], around[around[:, 0].argmax()]
-    curvature, beyond = min(one - 2.0 * two + three, 0.0), np.linspace(0.0, 1.0, BETWEEN)
-    excess = beyond * (one - two + 0.5 * (1.0 + beyond) * curvature)
-    return RemainingError.relative(0.0, float(excess.max()), one)
-
-
-def _of_mean_load(found: Sweep, window: Window, position_rad: Floats) -> RemainingError:
-    """Error of the face load factor: its change by every second position."""
-    every, second = (
-        face_load_factor(found, _weights_of(position_rad, window, step)) for step in (1, 2)
-    )
-    return RemainingError.relative(0.0, abs(second - every), every)
-
-
-def _weights_of(position_rad: Floats, window: Window, step: int) -> Floats:
-    """(P,) Parts in the mean of every `step`-th position; 0 for the others."""
-    weights = np.zeros(position_rad.size)
-    weights[::step] = order_of(
-        position_rad[::step],
-        pitch_rad=window.pitch_rad,
-        period_rad=window.pitches * window.pitch_rad,
-        closed=window.closed,
-    ).weights
-    return weights
 
 
 def between_positions(

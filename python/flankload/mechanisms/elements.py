@@ -27,7 +27,7 @@ from flankload.scene.effects import effects_of
 from flankload.scene.steps import REDUCED_DEGREES, REDUCED_MODES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from flankload.bodies import Body
     from flankload.elasticity.prism import Prism
@@ -259,7 +259,7 @@ def solve_bodies(
 def variants_of(
     compliances: tuple[BodyCompliance, ...],
     slices: Slices,
-    coarser: Callable[[], Mapping[str, object]],
+    coarser: Mapping[str, object],
 ) -> dict[str, Mapping[str, object]]:
     """Arguments of the reduced sweeps of an estimate, by the source of errors that they show.
 
@@ -273,7 +273,7 @@ def variants_of(
     if slices.plane:
         return found
     fewer = tuple(each.fewer_axial_modes(REDUCED_DEGREES) for each in compliances)
-    return found | {"axial": {"compliances": fewer}, "slices": coarser()}
+    return {"slices": coarser, **found, "axial": {"compliances": fewer}}
 
 
 def account_errors_of_elements(

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flankload.analysis.deciding_positions import DECIDING
+from flankload.analysis.deciding_positions import n_deciding
 from flankload.analysis.estimate import n_sweeps
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
@@ -249,9 +249,10 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     slices = {}
     if not pair.slices.plane:
         slices["sweep"] = pair.slices.count * states["sweep"]
-        if "estimate" in states:  # its last sweep has fewer
+        if "estimate" in states:  # one of its sweeps has fewer, with lumped contacts all
             sweeps = estimate_sweeps(pair)
-            count = (sweeps - 1) * pair.slices.count + pair.slices.coarser().count
+            coarse = sweeps if pair.effects.lumped_contact else 1
+            count = (sweeps - coarse) * pair.slices.count + coarse * pair.slices.coarser().count
             slices["estimate"] = count * (states["estimate"] // sweeps)
     lumped = pair.effects.lumped_contact
     none: dict[str, int] = {}
@@ -263,7 +264,7 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
         return dict.fromkeys(states, none)
     positions = dict.fromkeys(states, pair.position_rad.size)
     if "estimate" in states:
-        positions["estimate"] = min(DECIDING, pair.position_rad.size)
+        positions["estimate"] = min(n_deciding(plane=pair.slices.plane), pair.position_rad.size)
     return {
         stage: none
         | {"states": count * positions[stage]}

@@ -8,13 +8,14 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
-from flankload.analysis.deciding_positions import deciding_positions
+from flankload.analysis.deciding_positions import deciding_positions, n_deciding
 from flankload.analysis.error_rules import of_touch
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import error_beside_cells, spread_error
+from flankload.analysis.more_positions import beside_more_positions, more_positions
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.root_error import root_tension
-from flankload.analysis.sampling_error import of_positions
+from flankload.analysis.sampling_error import between_positions
 from flankload.base.number_text import percent
 from flankload.contact.sweep import join_sweeps, known_contacts, sweep
 from flankload.cost import Account, held_bytes
@@ -219,12 +220,14 @@ def error_estimates(
     with clock.stage("estimate") as account:
         if loaded:
             under_load = tuple(found[t] for t in loaded)
-            at = deciding_positions(under_load[-1])
+            at = deciding_positions(under_load[-1], n_deciding(plane=pair.slices.plane))
             weights, torques = _weights(pair, at), [part.torque_Nmm for part in under_load]
+            coarser = replace(pair, slices=pair.slices.coarser())
+            contact = replace(states.contact, mesh=coarser) if lumped else states.contact
 
             def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
                 return sweep(
-                    replace(states.contact, **other),
+                    replace(contact, **other),
                     states.position_rad[at],
                     torques,
                     keep_pairs=False,
@@ -238,13 +241,9 @@ def error_estimates(
                 compliances,
                 grid if lumped else grid.coarser(),
                 weights,
-                variants=variants_of(
-                    compliances,
-                    pair.slices,
-                    lambda: {"mesh": replace(pair, slices=pair.slices.coarser())},
-                ),
+                variants=variants_of(compliances, pair.slices, {"mesh": coarser}),
                 at=at,
-                lumped=_lumped_errors(under_load, states, at, weights) if lumped else None,
+                lumped=_lumped_errors(under_load, states.contact, pair, at) if lumped else None,
                 roots=lambda part: root_tension(pair, compliances, pair_tables(pair, part.pairs)),
                 sources=_sources(pair, states.contact, at),
             )
@@ -255,25 +254,22 @@ def error_estimates(
 
 
 def _lumped_errors(
-    found: tuple[Sweep, ...],
-    states: FlankStates,
-    at: NDArray[np.int64],
-    weights: NDArray[np.float64],
-) -> Callable[[int], dict[str, RemainingError]]:
+    found: tuple[Sweep, ...], contact: FlankContact, pair: BodyPair, at: NDArray[np.int64]
+) -> Callable[[int, Sweep], dict[str, RemainingError]]:
     """Errors of lumped contacts of a torque by its index; none if cells have no state."""
-    contact = states.contact
-    if found[-1].slices.conforming:
-        return lambda _: spread_error()
+    if pair.slices.conforming:
+        return lambda *_: spread_error()
     with suppress(ContactError):
         # a separate account, since no plan predicts the number of these cells
         cells = sweep(
             replace(contact, level="pairs", grid=contact.grid.coarser()),
-            states.position_rad[at],
+            pair.position_rad[at],
             [part.torque_Nmm for part in found],
             keep_pairs=False,
         )
-        return lambda t: error_beside_cells(join_sweeps([found[t]], at), cells[t], weights)
-    return lambda _: {}
+        weights, parts = _weights(pair, at), [join_sweeps([part], at) for part in found]
+        return lambda t, _: error_beside_cells(parts[t], parts[t], cells[t], weights)
+    return lambda *_: {}
 
 
 def _weights(pair: BodyPair, at: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -297,13 +293,31 @@ def _sources(
     if pair.pitches is None:
         return sources
     window = window_of(pair)
-    sources["positions"] = partial(
-        of_positions, window=window, position_rad=pair.position_rad, adaptive=pair.adaptive
-    )
+    sources["positions"] = lambda found: _sampling_error(found, contact, pair, window)
     others = OtherTeeth(pair, contact.compliances, window)
     if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)
     return sources
+
+
+def _sampling_error(
+    found: Sweep, contact: FlankContact, pair: BodyPair, window: Window
+) -> dict[str, RemainingError]:
+    """Errors of what depends on all positions."""
+    position_rad = pair.position_rad
+    if not pair.slices.plane and window.closed and not pair.adaptive:
+        more = more_positions(position_rad, window.pitches * window.pitch_rad)
+        with suppress(ContactError):
+            # a separate account, as for the cells
+            (many,) = sweep(
+                replace(contact, level="lumped"),
+                more,
+                [found.torque_Nmm],
+                unloaded=True,
+                keep_pairs=False,
+            )
+            return beside_more_positions(many, between_positions(many, window, more))
+    return between_positions(found, window, position_rad, adaptive=pair.adaptive)
 
 
 def _touch_error(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.analysis.deciding_positions import deciding_positions
+from flankload.analysis.deciding_positions import deciding_positions, n_deciding
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import error_beside_cells
 from flankload.contact.meshes_contact import sweep_meshes
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from flankload.analysis.error_rules import RemainingError
     from flankload.base.arrays import Floats, Numbers
-    from flankload.contact.meshes_contact import MeshesSweep
+    from flankload.contact.meshes_contact import MeshesContact, MeshesSweep
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.several.assembly import Compliances
     from flankload.mechanisms.several.states import AnyAssembly, MeshesStates
@@ -55,15 +55,14 @@ def error_estimates(
     contact, torques = states.contact, scene.torques_Nmm
     lumped, grid = contact.level == "lumped", contact.grid
     plane = assembly.is_plane
-    coarser = tuple(slices.coarser() for slices in assembly.slices)
-    variants = variants_of(
-        compliances,
-        assembly.slices[0],
-        lambda: {"meshes": replace(assembly, slices=coarser).meshes},
-    )
+    coarser = replace(assembly, slices=tuple(each.coarser() for each in assembly.slices)).meshes
+    variants = variants_of(compliances, assembly.slices[0], {"meshes": coarser})
+    if lumped:
+        contact = replace(contact, meshes=coarser)
     whole = tuple(one.whole for one in states.found)
-    at = deciding_positions(whole[-1])
-    cells = _BesideCells(assembly, states, torques, at)
+    most = n_deciding(plane=plane, meshes=len(assembly.slices))
+    at = deciding_positions(whole[-1], most)
+    cells = _BesideCells(assembly, states, contact, at)
     reduced: dict[int, tuple[MeshesSweep, ...]] = {}
     with clock.stage("estimate") as account:
 
@@ -145,29 +144,33 @@ class _BesideCells:
 
     assembly: AnyAssembly
     states: MeshesStates
-    torques_Nmm: Sequence[float]
+    contact: MeshesContact
     at: NDArray[np.int64]
 
     @cached_property
     def found(self) -> tuple[MeshesSweep, ...] | None:
         """The states with cells; None if there is none at a position."""
         with suppress(ContactError):
-            contact = self.states.contact
             return sweep_meshes(
-                replace(contact, level="pairs", grid=contact.grid.coarser()),
+                replace(self.contact, level="pairs", grid=self.contact.grid.coarser()),
                 self.assembly.position_rad[self.at],
-                self.torques_Nmm,
+                [one.whole.torque_Nmm for one in self.states.found],
                 # by which the moments on the bodies are known
                 keep_pairs=not self.assembly.is_plane,
             )
         return None
 
-    def of_mesh(self, m: int, loaded: Sequence[int], t: int) -> dict[str, RemainingError]:
+    def of_mesh(
+        self, m: int, loaded: Sequence[int], t: int, lumped: Sweep
+    ) -> dict[str, RemainingError]:
         """Those of a mesh under one of the `loaded` torques."""
-        return self.errors(loaded[t], m)
+        return self.errors(loaded[t], lumped, m)
 
-    def errors(self, t: int, m: int | None = None) -> dict[str, RemainingError]:
-        """Those under a torque, of the whole drive or of a mesh; empty without cells."""
+    def errors(self, t: int, lumped: Sweep, m: int | None = None) -> dict[str, RemainingError]:
+        """Those under a torque, of the whole drive or of a mesh; empty without cells.
+
+        `lumped` is the sweep with lumped contacts on the same slices.
+        """
         if self.found is None:
             return {}
         one, cells = (
@@ -175,7 +178,7 @@ class _BesideCells:
             for each in (self.states.found[t], self.found[t])
         )
         return error_beside_cells(
-            join_sweeps([one], self.at), cells, weights_of(self.assembly, self.at)
+            join_sweeps([one], self.at), lumped, cells, weights_of(self.assembly, self.at)
         )
 
 
