@@ -109,7 +109,7 @@ def test_a_record_holds_what_was_packed() -> None:
         "tip": TIP,
         "axial": AXIAL,
         "slices": np.array([-1.0, 0.0, 1.0]),
-        "turned": np.arange(MODES * BLOCKS, dtype=float),
+        "turned": np.arange(MODES**2 * BLOCKS, dtype=float),
         "wedge_along": np.array([0.0, -0.5]),
         "sections": np.concatenate([CURVE.coefficients.ravel(), CURVE.coefficients.ravel()]),
         "height": np.array(HEIGHT),
