@@ -21,7 +21,7 @@ module flankload_cell_field
     implicit none
     private
 
-    public :: add_cells, add_sliding, corner_cells, mirror
+    public :: add_cells, add_sliding, mirror
 
     !> Consecutive pairs: the cells of one zone.
     type :: run_type
@@ -38,7 +38,7 @@ module flankload_cell_field
 contains
 
     !> Add the near fields of both bodies and all images to the lower triangle of K.
-    pure subroutine add_cells(body_1, body_2, segments, range, pairs, matrix)
+    pure subroutine add_cells(body_1, body_2, segments, range, pairs, along, matrix)
         !> Compliances of the bodies
         type(compliance_type), intent(in) :: body_1
         type(compliance_type), intent(in) :: body_2
@@ -47,33 +47,18 @@ contains
         !> First and last pair of these bodies; those of a zone are adjacent, zones ascending
         integer, intent(in) :: range(2)
         type(pairs_type), intent(in) :: pairs
+        !> Parts of the forces along the flanks of both bodies where these turn, shape (n, 2)
+        real(wp), intent(in) :: along(:, :)
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
         call add_fields(runs_of(pairs, range, segments), end_mirrors(body_1, body_2), &
             & [corner_mirrors(body_1, 1, body_1%wedge), corner_mirrors(body_2, 2, body_2%wedge)], &
-            & pairs, matrix)
+            & pairs, matrix, along)
     end subroutine add_cells
 
-    !> Return the displacements of cells under images of unit forces behind corners [mm/N].
-    pure function corner_cells(corners, segments, range, pairs) result(matrix)
-        !> Images behind corners
-        type(mirror_type), intent(in) :: corners(:)
-        !> As in add_cells
-        type(segment_type), intent(in) :: segments(:)
-        integer, intent(in) :: range(2)
-        type(pairs_type), intent(in) :: pairs
-        !> Symmetric, lower triangle, of all pairs
-        real(wp), allocatable :: matrix(:, :)
-
-        type(mirror_type) :: no_ends(0)
-
-        allocate (matrix(pairs%n, pairs%n), source=0.0_wp)
-        call add_fields(runs_of(pairs, range, segments), no_ends, corners, pairs, matrix)
-    end function corner_cells
-
     !> Add near fields and images to the lower triangle of a matrix.
-    pure subroutine add_fields(runs, ends, corners, pairs, matrix)
+    pure subroutine add_fields(runs, ends, corners, pairs, matrix, along)
         !> Cells of all zones, shape (zones)
         type(run_type), intent(in) :: runs(:)
         !> Loads and their images behind end faces; images behind corners
@@ -83,6 +68,8 @@ contains
         type(pairs_type), intent(in) :: pairs
         !> Matrix [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> As in add_cells
+        real(wp), intent(in), optional :: along(:, :)
 
         integer :: a, b
 
@@ -91,9 +78,9 @@ contains
                 if (runs(a)%line%flank /= runs(b)%line%flank) exit
                 if (are_even(runs(a), runs(b))) then
                     call add_even(runs(a), runs(b), ends, matrix)
-                    call add_images(runs(a), runs(b), corners, pairs, matrix)
+                    call add_images(runs(a), runs(b), corners, pairs, matrix, along)
                 else
-                    call add_uneven(runs(a), runs(b), ends, corners, pairs, matrix)
+                    call add_uneven(runs(a), runs(b), ends, corners, pairs, matrix, along)
                 end if
             end do
         end do
@@ -302,7 +289,7 @@ contains
     end subroutine add_even
 
     !> Add the images behind free corners between two slices with cells of one width.
-    pure subroutine add_images(one, other, corners, pairs, matrix)
+    pure subroutine add_images(one, other, corners, pairs, matrix, along)
         !> Displaced cells and loaded cells
         type(run_type), intent(in) :: one
         type(run_type), intent(in) :: other
@@ -312,12 +299,18 @@ contains
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> As in add_cells
+        real(wp), intent(in), optional :: along(:, :)
 
         integer :: i, j, k
+        logical :: turns
         real(wp) :: first, step
         real(wp) :: table(n_distances(one, other))
 
         do k = 1, size(corners)
+            turns = present(along)
+            if (turns) turns = any(abs(along(one%first:one%last, corners(k)%body)) > 0.0_wp) &
+                & .or. any(abs(along(other%first:other%last, corners(k)%body)) > 0.0_wp)
             table = 0.0_wp
             ! On flank 2 the cells are nearly equally spaced.
             first = from_corner(corners(k), pairs, one%first) &
@@ -332,13 +325,16 @@ contains
                 i = max(j, one%first)
                 associate (column => matrix(i:one%last, j), from => i - one%first + j - other%first)
                     column = column + table(from + 1:from + size(column))
+                    if (.not. turns) cycle
+                    column = column + corners(k)%along*(along(i:one%last, corners(k)%body) &
+                        & + along(j, corners(k)%body))*table(from + 1:from + size(column))
                 end associate
             end do
         end do
     end subroutine add_images
 
     !> Add the near field and all images between two slices with cells of any widths.
-    pure subroutine add_uneven(one, other, ends, corners, pairs, matrix)
+    pure subroutine add_uneven(one, other, ends, corners, pairs, matrix, along)
         !> Displaced cells and loaded cells
         type(run_type), intent(in) :: one
         type(run_type), intent(in) :: other
@@ -349,9 +345,11 @@ contains
         type(pairs_type), intent(in) :: pairs
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
+        !> As in add_cells
+        real(wp), intent(in), optional :: along(:, :)
 
         integer :: i, j, k
-        real(wp) :: width, added
+        real(wp) :: width, added, image
 
         do j = other%first, other%last
             do i = max(j, one%first), one%last
@@ -363,10 +361,13 @@ contains
                         & other%line, ends), width, one%line%length, other%line%length)
                 end do
                 do k = 1, size(corners)
-                    added = added + corners(k)%strength(one%line%side)*cell_potential( &
+                    image = corners(k)%strength(one%line%side)*cell_potential( &
                         & from_corner(corners(k), pairs, i) + from_corner(corners(k), pairs, j), &
                         & along_line(1, one%line, other%line, corners), width, one%line%length, &
                         & other%line%length)
+                    added = added + image
+                    if (present(along)) added = added + corners(k)%along*sum(along([i, j], &
+                        & corners(k)%body))*image
                 end do
                 matrix(i, j) = matrix(i, j) + added
             end do

@@ -62,6 +62,8 @@ module flankload_slice_field
         real(wp) :: place = 0.0_wp
         integer :: body = 1
         real(wp) :: sense = 1.0_wp
+        !> Ratio of the strength of a load along the flank to that of a normal one
+        real(wp) :: along = 0.0_wp
     end type mirror_type
 
 contains
@@ -294,6 +296,7 @@ contains
         all%place = [body%s_low, body%s_high]
         all%sense = [1.0_wp, -1.0_wp]
         all%body = flank
+        where (abs(psi) > 0.0_wp) all%along = body%wedge_along/psi
         mirrors = pack(all, abs(psi) > 0.0_wp .and. body%kernel > 0.0_wp)
     end function corner_mirrors
 

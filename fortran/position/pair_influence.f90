@@ -8,7 +8,7 @@
 module flankload_pair_influence
     use flankload_kinds, only: wp
     use flankload_body_places, only: places_at_pairs
-    use flankload_cell_field, only: add_cells, add_sliding, corner_cells, mirror
+    use flankload_cell_field, only: add_cells, add_sliding, mirror
     use flankload_contact_pairs, only: pairs_type
     use flankload_contact_zones, only: zone_type
     use flankload_contributions, only: add_contributions, contribution_type, friction, &
@@ -17,8 +17,6 @@ module flankload_pair_influence
     use flankload_mode_field, only: add_modes, places_type
     use flankload_shaft_influence, only: add_carrier, add_shaft, slide_shaft
     use flankload_support_influence, only: add_support
-    use flankload_slice_field, only: corner_mirrors
-    use flankload_turned_influence, only: add_turned_images
     use flankload_zone_influence, only: segments_of
     implicit none
     private
@@ -40,14 +38,13 @@ contains
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
         integer :: b
-        type(contribution_type) :: symmetric(8), other(3)
+        type(contribution_type) :: symmetric(7), other(3)
         type(places_type) :: places(size(bodies))
 
         ! symmetric ones add to the lower triangle, which is then copied to the upper one
         symmetric = [contribution_type(together=elastic_modes), &
             & contribution_type(together=cells_in_slices), contribution_type(alone=near_field), &
-            & contribution_type(alone=turned_forces), &
-            & contribution_type(together=turned_in_slices), contribution_type(alone=add_shaft), &
+            & contribution_type(alone=turned_forces), contribution_type(alone=add_shaft), &
             & contribution_type(alone=add_support), contribution_type(together=add_carrier)]
         other = [contribution_type(alone=friction), &
             & contribution_type(together=friction_in_slices), contribution_type(alone=slide_shaft)]
@@ -83,47 +80,21 @@ contains
         type(places_type), intent(in) :: places(:)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
 
-        integer :: m
+        integer :: m, at
+        real(wp) :: along(pairs%n, 2)
 
         do m = 1, size(meshes)
             if (.not. allocated(meshes(m)%slices)) cycle
             associate (of => meshes(m)%bodies)
+                do at = 1, 2
+                    along(places(of(at))%of, at) = places(of(at))%along
+                end do
                 call add_cells(bodies(of(1))%compliance, bodies(of(2))%compliance, &
                     & segments_of(zones, meshes(zones%mesh)%sense), pairs_of(m, zones, pairs), &
-                    & pairs, matrix)
+                    & pairs, along, matrix)
             end associate
         end do
     end subroutine cells_in_slices
-
-    !> Images behind free corners of the parts of forces along the flanks of cells in slices.
-    pure subroutine turned_in_slices(bodies, meshes, zones, pairs, places, matrix)
-        !> As in between_bodies
-        type(body_type), intent(in) :: bodies(:)
-        type(mesh_type), intent(in) :: meshes(:)
-        type(zone_type), intent(in) :: zones(:)
-        type(pairs_type), intent(in) :: pairs
-        type(places_type), intent(in) :: places(:)
-        real(wp), contiguous, intent(inout) :: matrix(:, :)
-
-        integer :: m, at, b
-        real(wp) :: along(pairs%n)
-
-        do m = 1, size(meshes)
-            if (.not. allocated(meshes(m)%slices)) cycle
-            do at = 1, 2
-                b = meshes(m)%bodies(at)
-                if (.not. any(abs(places(b)%along) > 0.0_wp)) cycle
-                along = 0.0_wp
-                along(places(b)%of) = places(b)%along
-                associate (body => bodies(b)%compliance)
-                    call add_turned_images(along, corner_cells( &
-                        & corner_mirrors(body, at, body%wedge_along), &
-                        & segments_of(zones, meshes(zones%mesh)%sense), pairs_of(m, zones, pairs), &
-                        & pairs), matrix)
-                end associate
-            end do
-        end do
-    end subroutine turned_in_slices
 
     !> Near field of the tangential forces of cells in slices.
     pure subroutine friction_in_slices(bodies, meshes, zones, pairs, places, matrix)

@@ -112,7 +112,10 @@ _FORTRAN = (
     *_in(
         "cell_field.f90",
         "core",
-        ("table(from + 1:from + size(column))", "table(:size(column))"),
+        (
+            "column = column + table(from + 1:from + size(column))",
+            "column = column + table(:size(column))",
+        ),
         ("                matrix(j, i) = matrix(i, j)\n", "\n"),
         ("width = sqrt(pairs%cell_1(i)*pairs%cell_1(j))", "width = pairs%cell_1(i)"),
     ),
