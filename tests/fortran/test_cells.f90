@@ -411,8 +411,8 @@ contains
         end do
         matrix = 0.0_wp
         call add_modes(bodies, places, n, matrix)
-        call add_cells(bodies(1), bodies(2), segments, [1, n], pairs, spread([0.0_wp, 0.0_wp], 1, n), &
-            & matrix)
+        call add_cells(bodies(1), bodies(2), segments, [1, n], pairs, &
+            & spread([0.0_wp, 0.0_wp], 1, n), matrix)
         call mirror(matrix)
         if (allocated(pairs%friction)) then
             call add_sliding(bodies(1), bodies(2), segments, [1, n], pairs, matrix)
