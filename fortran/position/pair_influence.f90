@@ -38,7 +38,7 @@ contains
         real(wp), contiguous, intent(out) :: matrix(:, :)
 
         integer :: b
-        type(contribution_type) :: symmetric(7), other(3)
+        type(contribution_type) :: symmetric(7), sliding(3)
         type(places_type) :: places(size(bodies))
 
         ! symmetric ones add to the lower triangle, which is then copied to the upper one
@@ -46,14 +46,15 @@ contains
             & contribution_type(together=cells_in_slices), contribution_type(alone=near_field), &
             & contribution_type(alone=turned_forces), contribution_type(alone=add_shaft), &
             & contribution_type(alone=add_support), contribution_type(together=add_carrier)]
-        other = [contribution_type(alone=friction), &
+        sliding = [contribution_type(alone=friction), &
             & contribution_type(together=friction_in_slices), contribution_type(alone=slide_shaft)]
         do b = 1, size(bodies)
             places(b) = places_at_pairs(b, bodies(b), meshes, zones, pairs)
         end do
         call add_contributions(symmetric, bodies, meshes, zones, pairs, places, matrix)
         call mirror(matrix)
-        call add_contributions(other, bodies, meshes, zones, pairs, places, matrix)
+        if (.not. allocated(pairs%friction)) return
+        call add_contributions(sliding, bodies, meshes, zones, pairs, places, matrix)
     end subroutine pair_influences
 
     !> Displacements by the modes of all bodies, between all of their meshes: the first
