@@ -95,6 +95,8 @@ module flankload_position_zones
     !> this fraction of the length of flank 1, which usual loads do not close. It affects time only:
     !> the other sites are searched if the load closes more.
     real(wp), parameter :: search_margin = 0.02_wp
+    !> The same for zones of slices by their gap
+    real(wp), parameter :: keep_margin = 0.0125_wp
 
 contains
 
@@ -155,9 +157,47 @@ contains
         end do
         position%rates = zone_rates(motions, meshes, position%zones)
         position%gap = gaps_without_load(bodies, meshes, position, position%zones)
+        ! several motions may close any gap
+        if (.not. everywhere .and. size(motions) == 1 &
+            & .and. .not. allocated(position%displacements)) then
+            call drop_far_slices(meshes, position)
+        end if
         position%widest = 0.5_wp*(position%zones%s_1_high - position%zones%s_1_low)
         if (.not. position%conforms) position%angles = configuration%angles
     end subroutine locate_contacts
+
+    !> Drop zones of slices that usual loads do not close: they count as not searched.
+    pure subroutine drop_far_slices(meshes, position)
+        !> The meshes, and the position
+        type(mesh_type), intent(in) :: meshes(:)
+        type(position_type), intent(inout) :: position
+
+        integer :: m, first, side
+        real(wp) :: margin, gap(size(position%zones))
+        logical :: kept(size(position%zones))
+
+        kept = .true.
+        gap = undisplaced_gaps(position, position%zones)
+        first = 1
+        do m = 1, size(meshes)
+            margin = keep_margin*curve_length(position%facing(first)%flank_1%curve) &
+                & /maxval(position%facing(first)%flank_1%radius)
+            do side = -1, 1, 2
+                associate (own => position%zones%mesh == m .and. nint(position%zones%side) == side)
+                    if (allocated(meshes(m)%slices)) kept = kept .and. .not. (own &
+                        & .and. gap > minval(gap, mask=own) + margin)
+                    position%unseen(m) = min(position%unseen(m), minval(gap, &
+                        & mask=own .and. .not. kept))
+                end associate
+            end do
+            first = first + meshes(m)%n_sites
+        end do
+        if (all(kept)) return
+        position%rates = reshape(pack(position%rates, spread(kept, 2, size(position%motions))), &
+            & [count(kept), size(position%motions)])
+        position%zones = pack(position%zones, kept)
+        position%gap = pack(position%gap, kept)
+    end subroutine drop_far_slices
 
     !> Displace the bodies of a position in another way, or move them at other speeds, if they have
     !> its angles: its zones stay, their gaps change.
