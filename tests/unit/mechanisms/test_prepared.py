@@ -352,9 +352,9 @@ def test_held_fits_of_profiles_have_the_bits_of_new_ones() -> None:
         return [bits_of_curve(pair.body_2) for pair in pairs]
 
     held = curves()
-    assert fit._fit_cached.cache_info().hits > 0
+    assert fit._of_method.cache_info().hits > 0
     for um, expected in zip(reliefs, held, strict=True):
-        fit._fit_cached.cache_clear()
+        fit._of_method.cache_clear()
         pair = build_bodies(scene.replace({"body_2.tip_relief_um": um}))
         assert bits_of_curve(pair.body_2) == expected
 
