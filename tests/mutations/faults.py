@@ -531,7 +531,7 @@ _PYTHON = (
         "analysis/error_rules.py",
         f"{_ESTIMATE}half_as_many_cells_tell_an_error_of_second_order_exactly "
         f"{_ESTIMATE}errors_add_up_with_their_signs_and_doubts_by_their_squares",
-        ("STRIPS = Rule(1 / 3,", "STRIPS = Rule(1 / 2,"),
+        ("1.0 / (ratio**power - 1.0)", "1.0 / ratio**power"),
         ("doubt = np.sqrt(sum(np.square(part.doubt)", "doubt = np.sqrt(sum(np.abs(part.doubt)"),
     ),
     *_in(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from flankload.analysis.error_rules import RemainingError, peak_of_modes
+from flankload.analysis.error_rules import SERIES, RemainingError, peak_of_modes
 from flankload.analysis.estimate import Estimate
 from tests.support.gear_scenes import example
 from tests.support.solving import solve
@@ -130,6 +130,8 @@ def test_peak_of_a_pair_that_has_just_begun_to_carry_may_be_a_multiple() -> None
 
     fewer = sweep(np.array([[1.0 - 2e-4, 2e-4]]))
     in_shares = RemainingError(0.4e-4, 2.3e-4)
-    doubt = np.asarray(peak_of_modes(sweep(shares), sweep(shares), fewer, in_shares).doubt)
+    peaks = peak_of_modes(SERIES, sweep(shares), sweep(shares), fewer, in_shares)
+    doubt = np.asarray(peaks.doubt)
     assert doubt[0, 1] > 0.4 * np.sqrt(2e-4)
-    assert doubt[0, 0] == pytest.approx(3 * 2.7e-4, rel=1e-3)
+    # half of the error of its force, and 0.75 of the change of its own peak
+    assert doubt[0, 0] == pytest.approx(np.hypot(0.5 * 2.7e-4, 0.75 * 0.5e-4), rel=1e-3)

@@ -18,7 +18,6 @@ from flankload.analysis.load_factors import (
     loads_over_period,
     relative_loads,
 )
-from flankload.base.rounding import TIE
 from flankload.contact.status import on_corner
 
 if TYPE_CHECKING:
@@ -51,8 +50,6 @@ class Rule:
     doubt, doubt_pressure : float
         Deviation of an error at one position from that, relative to the change there; the same for
         a pressure.
-    doubt_overall : float or None
-        The same for means, relative to the change of the mean; None: `doubt`.
     shares : float
         Doubt of load shares over that of rotations: shares are ratios of two flanks, which may err
         in opposite directions.
@@ -61,23 +58,36 @@ class Rule:
     part: float
     doubt: float
     doubt_pressure: float
-    doubt_overall: float | None = None
     shares: float = 1.0
 
+    @classmethod
+    def of_order(cls, ratio: float, order: float) -> Rule:
+        """Rule of a source that converges with a power of a number, compared at 1/ratio of it.
 
-#: Second order: with half as many cells, the remaining error is a third of the change.
-STRIPS = Rule(1 / 3, 2 / 3, 2 / 3, 1 / 3)
-#: Without the two highest modes, if contacts cover more than this part of a flank or a rounding
-#: carries load: at the ends the terms hardly decrease.
+        Rotations are stationary and may err by twice that; load shares and pressures may converge
+        with half the order.
+        """
+        part, slow = (1.0 / (ratio**power - 1.0) for power in (order, 0.5 * order))
+        return cls(part, part, slow - part, shares=slow / part - 1.0)
+
+
+#: Half as many cells, on which pressures are linear.
+STRIPS = Rule.of_order(2.0, 2.0)
+#: Order of the error in the number of pressure modes, and omitted ones, as in `scene.steps`.
+MODES_ORDER, OMITTED_MODES = 3.0, 2
+
+
+def rule_of_modes(modes: int, *, slow: bool) -> Rule:
+    """Rule of a number of pressure modes along a profile, compared with fewer of them.
+
+    If contacts cover most of a flank, their terms hardly decrease: `slow` is half the order.
+    """
+    left = max(modes - OMITTED_MODES, 1)
+    return Rule.of_order(1.0 + OMITTED_MODES / left, MODES_ORDER * (0.5 if slow else 1.0))
+
+
+#: Contacts are wide if they cover more than this part of a flank.
 COVERED = 0.5
-MODES = Rule(0.4, 2.3, 1.0)
-#: Error of peak pressures, relative to the largest change of the load share. The change of the
-#: peaks by the two highest modes is a poor measure, since the curvature of these near the ends of a
-#: flank is not that of the omitted modes (112 gears and rings: correlation of the logarithms 0.45
-#: with the share, 0.29 with the peak's own change, which adds no information). On roundings and
-#: chamfers, which have modes of their own, neither bounds the error: it was up to 40 times the
-#: peak's own change and 30 times that of the share (7 of 60 gears and rings).
-SHARE_TO_PEAK = 3.0
 #: Half as many nodes or slices: if the error is only proportional to their distance, it equals the
 #: change.
 NODES = Rule(0.5, 0.5, 0.5)
@@ -166,7 +176,7 @@ def remaining_errors(
         "transmission_error": _at_each(rule, change, np.abs(rotation).max()),
         "load_share": _at_each(sharing, load_shares(other) - load_shares(base), 1.0),
         "peak_pressure": _at_each(
-            _of_pressures(rule), _peak_change(found, base, other), _largest_peak(found)
+            _of_pressures(rule), _peak_change(found, base, other), largest_peak(found)
         ),
         "transmission_error_mean": _of_mean(rule, change, rotation),
         "transmission_error_peak_to_peak": _of_peak_to_peak(rule, change, rotation),
@@ -258,8 +268,7 @@ def _of_mean(rule: Rule, change: Floats, values: Floats) -> RemainingError:
     if whole == 0:
         return RemainingError(0.0, 0.0)
     mean = float(change.mean()) / whole
-    doubt = rule.doubt if rule.doubt_overall is None else rule.doubt_overall
-    return RemainingError(rule.part * mean, doubt * abs(mean))
+    return RemainingError(rule.part * mean, rule.doubt * abs(mean))
 
 
 def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> RemainingError:
@@ -292,7 +301,8 @@ def _smooth(*parts: Sweep) -> Flags:
     return np.asarray(~np.logical_or.reduce(corners) & (parts[0].site_peak_N_per_mm > 0))
 
 
-def _largest_peak(found: Sweep) -> float:
+def largest_peak(found: Sweep) -> float:
+    """Largest force over the width of a cell off sharp corners; 0 if there is none."""
     return float(np.max(found.site_peak_N_per_mm, initial=0.0, where=_smooth(found)))
 
 
@@ -313,11 +323,6 @@ def of_largest(each: RemainingError, values: Floats) -> RemainingError:
     return RemainingError(there, most - abs(there))
 
 
-def any_smooth_peak(found: Sweep) -> bool:
-    """Whether any site carries load off sharp corners."""
-    return _largest_peak(found) > 0.0
-
-
 def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
     """Change of the peaks off sharp corners."""
     change = other.site_peak_N_per_mm - base.site_peak_N_per_mm
@@ -325,28 +330,25 @@ def _peak_change(found: Sweep, base: Sweep, other: Sweep) -> Floats:
 
 
 def peak_of_modes(
-    found: Sweep, base: Sweep, other: Sweep, shares: RemainingError
+    rule: Rule, found: Sweep, base: Sweep, other: Sweep, shares: RemainingError
 ) -> RemainingError:
     """Error of the modes in the peaks off sharp corners; sweeps as in `remaining_errors`.
 
-    `shares` is their error in the load shares.
+    `shares` is their error in the load shares: the peak of a line contact is proportional to the
+    root of its force, so that of a pair that has just begun to carry load may be a multiple.
     """
-    error, largest = shares.size, _largest_peak(found)
-    if error < TIE:  # one pair carries alone throughout
-        return _at_each(_of_pressures(SERIES), _peak_change(found, base, other), largest)
+    own = _at_each(_of_pressures(rule), _peak_change(found, base, other), largest_peak(found))
     peak = np.where(_smooth(found, base, other), found.site_peak_N_per_mm, 0.0)
-    part = peak / largest if largest > 0 else np.zeros_like(peak)
-    # the peak of a line contact is proportional to the root of its force: for a pair that has just
-    # begun to carry load, the true peak may be a multiple
     share = np.maximum(load_shares(found), np.finfo(float).tiny)
-    begun = np.sqrt(1.0 + (np.abs(shares.error) + shares.doubt) / share) - 1.0
-    return RemainingError(np.zeros_like(part), np.maximum(SHARE_TO_PEAK * error, begun) * part)
+    of_force = np.sqrt(1.0 + (np.abs(shares.error) + shares.doubt) / share) - 1.0
+    relative = peak / max(largest_peak(found), np.finfo(float).tiny)
+    return RemainingError(own.error, np.hypot(own.doubt, of_force * relative))
 
 
 def peak_of_cells(found: Sweep, coarse: Sweep) -> RemainingError:
     """Error of the cells in the peaks off sharp corners; `coarse` has half as many cells."""
-    change, largest = _peak_change(found, found, coarse), _largest_peak(found)
-    remaining = _at_each(STRIPS, change, largest)
+    change, largest = _peak_change(found, found, coarse), largest_peak(found)
+    remaining = _at_each(_of_pressures(STRIPS), change, largest)
     rough = np.abs(change) > LARGEST_SMOOTH_CHANGE * found.site_peak_N_per_mm
     whole = np.abs(change) / largest if largest > 0 else np.zeros_like(change)
     return RemainingError(

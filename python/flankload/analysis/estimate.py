@@ -45,7 +45,6 @@ from flankload.analysis.error_rules import (
     LARGEST_PRESSURE,
     LINE_FACTOR,
     LINE_LOAD,
-    MODES,
     NODES,
     PEAK_LINE,
     PEAK_PRESSURE,
@@ -54,13 +53,15 @@ from flankload.analysis.error_rules import (
     SLICES,
     STRIPS,
     RemainingError,
-    any_smooth_peak,
     at_largest_peak,
+    largest_peak,
     peak_of_cells,
     peak_of_modes,
     remaining_errors,
+    rule_of_modes,
 )
 from flankload.analysis.period_error import HARMONICS_KEY
+from flankload.analysis.resolved_peaks import with_resolved_peaks
 from flankload.analysis.root_error import add_root_errors
 from flankload.contact.status import on_corner
 from flankload.contact.sweep import join_sweeps
@@ -232,6 +233,8 @@ def estimate_errors(
     tuple of Estimate, one per torque
     """
     some = found if at is None else tuple(join_sweeps([part], at) for part in found)
+    all_peaks = [largest_peak(part) for part in some]
+    some = tuple(with_resolved_peaks(part, compliances) for part in some)
     coarse = some if lumped is not None else run(compliances=compliances, grid=cells, part=0)
     others: dict[str, tuple[Sweep, ...]] = {}
     for number, (source, arguments) in enumerate(variants.items(), start=1):
@@ -252,19 +255,21 @@ def estimate_errors(
             errors["lumped"] = lumped(t, coarse[t])
         missing = ", ".join([*unknown, *(source for source in errors if not errors[source])])
         each = {source: other[t] for source, other in others.items()}
-        slowly = _converges_slowly(whole, compliances)
-        errors |= _of_compliances(part, coarse[t], each, compliances, weights, slowly=slowly)
+        errors |= _of_compliances(part, coarse[t], each, compliances, weights)
         errors |= {source: own for source, of in sources.items() if (own := of(whole))}
         tension = roots(part)
         if tension is not None:
             add_root_errors(errors, part, tension)
-        if not any_smooth_peak(part):  # all on sharp corners, where pressures have no estimate
+        if not largest_peak(part):  # all where pressures have no estimate
             for parts in errors.values():
                 parts.pop(PEAK_PRESSURE, None)
                 parts.pop(LARGEST_PRESSURE, None)
+        hidden = all_peaks[t] > largest_peak(part)
         for parts in errors.values():
             if PEAK_PRESSURE in parts and LARGEST_PRESSURE not in parts:
                 parts[LARGEST_PRESSURE] = at_largest_peak(parts[PEAK_PRESSURE], part)
+            if hidden:
+                parts.pop(LARGEST_PRESSURE, None)
         uncertain = _uncertain_pressure(whole, compliances)
         if missing:
             quantities = set().union(*errors.values())
@@ -308,13 +313,17 @@ def _of_compliances(
     others: Mapping[str, Sweep],
     compliances: tuple[BodyCompliance, ...],
     weights: Floats,
-    *,
-    slowly: bool,
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
     nodal = any(compliance.modes.nodes is not None for compliance in compliances)
-    of_modes = MODES if slowly and coarse.slices.plane else SERIES
-    rules = {"modes": NODES if nodal else of_modes, "elements": ELEMENTS, "slices": SLICES}
+    closed = any(compliance.modes.closed for compliance in compliances)
+    of_modes = NODES if nodal else SERIES
+    if coarse.slices.plane and not nodal and not closed:
+        of_modes = rule_of_modes(
+            min((each.flank_modes for each in compliances if not each.is_rigid), default=0),
+            slow=_has_wide_contacts(part, compliances),
+        )
+    rules = {"modes": of_modes, "elements": ELEMENTS, "slices": SLICES}
     errors = {
         source: remaining_errors(
             rules.get(source, SERIES),
@@ -327,17 +336,13 @@ def _of_compliances(
     }
     if not nodal and coarse.slices.plane:
         errors["modes"]["peak_pressure"] = peak_of_modes(
-            part, coarse, others["modes"], errors["modes"]["load_share"]
+            of_modes, part, coarse, others["modes"], errors["modes"]["load_share"]
         )
     return errors
 
 
-def _converges_slowly(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
-    """Whether a contact covers a large part of the shorter flank or, in the plane, is on a tip."""
-    if not part.slices.plane:
-        return part.slices.conforming
-    if _on_tip(part, compliances):
-        return True
+def _has_wide_contacts(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
+    """Whether a contact covers a large part of the shorter flank."""
     pairs = part.pairs
     loaded = pairs.column("force") > 0
     sites = pairs.sites[loaded] + (1 + pairs.sites.max(initial=0)) * pairs.position[loaded]

@@ -107,7 +107,7 @@ def _of_peak_to_peak(
     Kinks over the width are soft: the curve is between those with kinks and without (`smooth`).
     """
     whole, fine = float(np.ptp(rotation)), np.linspace(*through.ends, BETWEEN * rotation.size)
-    sharp = whole - float(np.ptp(through.values(fine)))
+    sharp = whole - float(np.ptp([*rotation, *through.values(fine)]))
     if smooth is None:
         return RemainingError.relative(sharp, DOUBT_PEAK_TO_PEAK * abs(sharp), whole)
     least = whole - float(np.ptp(smooth.values(fine)))

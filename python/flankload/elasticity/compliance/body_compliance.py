@@ -65,9 +65,10 @@ class BodyCompliance:
         Displacements of a free rim, if requested.
     rim_motion : RimMotion or None
         Motion of a rim on bolts.
-    fe_error : (1, p, p + q) array, or (f, p, p + q) array where `flanks` names f teeth; or None
-        Estimated discretization error of the response of a flank to its own modes: that of
-        `smooth`, then that of `tangential`. None without an estimate.
+    fe_error : (1, p, p) array, or (f, p, p) array where `flanks` names f teeth; or None
+        Estimated discretization error of the response of a flank to its own modes in `smooth`;
+        that in `tangential` is multiplied by a coefficient of friction and neglected. None without
+        an estimate.
     """
 
     smooth: Floats
@@ -256,22 +257,13 @@ class BodyCompliance:
         """The compliance plus a multiple of its estimated discretization error."""
         if self.fe_error is None:
             return self
-        p = self.smooth.shape[1]
-        smooth, tangential = self.smooth.copy(), self.tangential
-        smooth[self.own_blocks] += times * self.fe_error[:, :, :p]
-        if tangential is not None:
-            tangential = tangential.copy()
-            tangential[self.own_blocks] += times * self.fe_error[:, :, p:]
-        coast = self.coast
+        smooth, coast = self.smooth.copy(), self.coast
+        smooth[self.own_blocks] += times * self.fe_error
         if coast is not None:
             normal = coast.normal.copy()
-            normal[2 * len(smooth)] += times * self.fe_error[0, :, :p]
-            along = coast.tangential
-            if along is not None:
-                along = along.copy()
-                along[2 * len(smooth)] += times * self.fe_error[0, :, p:]
-            coast = CoastCompliance(normal, along)
-        return replace(self, smooth=smooth, tangential=tangential, coast=coast, fe_error=None)
+            normal[2 * len(smooth)] += times * self.fe_error[0]
+            coast = replace(coast, normal=normal)
+        return replace(self, smooth=smooth, coast=coast, fe_error=None)
 
     def without_elasticity(self) -> BodyCompliance:
         """The compliance of a body that only body loads deform."""
@@ -305,7 +297,7 @@ class BodyCompliance:
         """The compliance without friction, in arrays of its own; `turns`: forces turn over tips."""
         if self.tangential is None:
             return self
-        p, root, error = self.smooth.shape[1], self.root, self.fe_error
+        p, root = self.smooth.shape[1], self.root
         if root is not None:
             root = root.with_each(lambda part: part[..., :p].copy())
         if turns:
@@ -319,7 +311,6 @@ class BodyCompliance:
             along=None,
             coast=None if self.coast is None else CoastCompliance(self.coast.normal.copy()),
             root=root,
-            fe_error=None if error is None else error[..., :p].copy(),
         )
 
     def apart(self, apart: Flags, block: Numbers) -> tuple[BodyCompliance, Numbers]:

@@ -149,10 +149,9 @@ def _prepared(
     """Stiffness, loads and readings of a job, and the vectors of the body load by name."""
     extent, mesh, loads = options.extent, body.mesh, _loads(body, options)
     assert mesh is not None
-    columns = loads.count * (1 + options.friction)
 
     def estimate(moved: Floats) -> tuple[Floats, float]:
-        moved, fillets = moved[:, :columns], options.fillets  # without coast flanks and a rim
+        moved, fillets = moved[:, : loads.count], options.fillets  # under normal loads
         smoothed = recovered_strains(mesh.nodes, mesh.cells, moved)
         return compliance_error(
             mesh.nodes, mesh.cells, body.material, options.plane, moved, smoothed
@@ -237,13 +236,13 @@ def _fe_errors(job: Job, options: JobOptions, found: Response) -> tuple[Floats |
 
     For a prism, they come from a job for one tooth of its section, in plane strain.
     """
-    log, loads, q = job.log, job.loads, found.response.shape[2]
+    log, loads = job.log, job.loads
     if log.errors:
-        errors = np.stack([error for error, _ in log.errors])[:, :q, :q]
-        return loads.between(errors[:, : loads.count]), log.errors[0][1]
+        errors = np.stack([error for error, _ in log.errors])
+        return loads.between(errors), log.errors[0][1]
     if not (options.estimate and isinstance(loads, ModeLoads)):
         return None, 0.0
-    in_plane = replace(options, prism=None, coast_flanks=False)
+    in_plane = replace(options, prism=None, coast_flanks=False, friction=False)
     section = flank_compliance(job.body, in_plane, sectors=1)
     assert section.fe_error is not None
     log.account.count(fe_factorisations=1, fe_solutions=section.fe_error.shape[2])
@@ -264,7 +263,9 @@ def _degree_error(
     assert prism is not None
     assert isinstance(body.mesh, SectorMesh)
     fewer = replace(prism, degree=max(prism.degree - LESS_DEGREES, prism.load_degree))
-    keys = replace(options, prism=fewer, coast_flanks=False, fillets=None, estimate=False)
+    keys = replace(
+        options, prism=fewer, coast_flanks=False, friction=False, fillets=None, estimate=False
+    )
     reduced, _ = _prepared(body, None, keys, None)
     response = of_sector(reduced, body.mesh, sectors)
     lower = _compliance(reduced, response, keys)
@@ -272,11 +273,8 @@ def _degree_error(
         fe_factorisations=reduced.log.account.counters["fe_factorisations"],
         fe_solutions=response.response.shape[2],
     )
-    parts = [found.smooth[:1] - lower.smooth[:1]]
-    if found.tangential is not None and lower.tangential is not None:
-        parts.append(found.tangential[:1] - lower.tangential[:1])
     log.end_step("estimate")
-    return np.concatenate(parts, axis=2)
+    return np.asarray(found.smooth[:1] - lower.smooth[:1])
 
 
 def _load_vectors(

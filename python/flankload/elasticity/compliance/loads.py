@@ -194,15 +194,13 @@ class ModeLoads(FlankLoads):
         return self.between(self._near.along[None])[0] if self.friction else None
 
     def from_section(self, fe_error: Floats) -> Floats:
-        """Estimated error (1, p, q) of the elements from that of line loads per length (1, n, m).
+        """Estimated error (1, p, p) of the elements from that of line loads per length (1, n, n).
 
         The error of the plane elements varies within a few of them, over which the load hardly
         changes along the axis.
         """
         cosine = self._near.axial.cos_base_helix
-        found = cosine**2 * np.kron(fe_error[0], np.diag(self._inverse_norms_z))
-        found[:, len(found) :] /= cosine  # loads along the profile are in the section
-        return np.asarray(found[None])
+        return np.asarray(cosine**2 * np.kron(fe_error, np.diag(self._inverse_norms_z)))
 
     @property
     def _inverse_norms_z(self) -> Floats:

@@ -102,10 +102,10 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     estimated = scene.accuracy.estimate and _is_estimated(pair, z)
     if estimated and not extent.recovers_stress:  # of the plane section
         found["fe_factorisations"] += 1
-        found["fe_solutions"] += sum(columns.of_profile)
+        found["fe_solutions"] += columns.of_profile[0]
         if extent.regions:  # another degree along the axis
             found["fe_factorisations"] += extent.factorisations
-            found["fe_solutions"] += sum(columns.of_profile) * (extent.load_degree + 1)
+            found["fe_solutions"] += columns.of_profile[0] * (extent.load_degree + 1)
     per_node = extent.components * extent.axial.count
     found["fe_unknowns"] = unknowns_of(body.mesh, held=tooth, per_node=per_node)
     asked = body.elements is not None or asks_tangential(pair.effects) is not None
