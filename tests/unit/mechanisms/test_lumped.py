@@ -86,8 +86,10 @@ def test_the_estimate_contains_the_error_of_the_level(lumped: fl.Result, pairs: 
     assert lumped.estimate is not None
     sources = lumped.estimate["by_source"]
     assert set(sources) == {"modes", "elements", "lumped", "positions"}  # no strips
-    assert set(sources["lumped"]) >= set(POINTWISE)
-    for quantity in POINTWISE:
+    # the largest pressure lies beside the end of a flank
+    estimated = [quantity for quantity in POINTWISE if quantity != "largest_pressure"]
+    assert set(sources["lumped"]) >= set(estimated)
+    for quantity in estimated:
         parts = [errors[quantity] for errors in sources.values() if quantity in errors]
         assert sources["lumped"][quantity] <= lumped.estimate[quantity] <= sum(parts)
     beside = np.abs(lumped.rotation_rad / pairs.rotation_rad - 1).max()
