@@ -152,13 +152,7 @@ contains
         do k = 1, size(images)
             do end = 1, 2
                 if (.not. images(k)%kernel(end) > 0.0_wp) cycle
-                slope = 0.5_wp*images(k)%sense(end)*[-1.0_wp, 1.0_wp]
-                distance = images(k)%distance(end) + sum(slope*reach)
-                if (distance < 0.5_wp*sum(reach)) then
-                    ! A contact does not extend beyond the corner.
-                    slope = 0.5_wp
-                    distance = 0.5_wp*sum(reach)
-                end if
+                call middle_to_corner(images(k), end, reach, distance, slope)
                 if (images(k)%length > 0.0_wp) then
                     call own_potential(images(k)%length, 2.0_wp*distance, mean, mean_slope)
                     displacement = displacement + 0.5_wp*images(k)%kernel(end)*images(k)%length*mean
@@ -172,27 +166,48 @@ contains
         end do
     end subroutine image_displacement
 
+    !> Compute the distance of the middle of a contact from a corner, from which its image is as far
+    !> away on the other side.
+    pure subroutine middle_to_corner(image, end, reach, distance, slope)
+        !> Mirror images, and the end of the flank at which the corner is
+        type(image_type), intent(in) :: image
+        integer, intent(in) :: end
+        !> Extent of the contact towards smaller and greater arc length of flank 1 [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> Distance [mm], and its derivatives with respect to both extents, shape (2)
+        real(wp), intent(out) :: distance
+        real(wp), intent(out) :: slope(2)
+
+        slope = 0.5_wp*image%sense(end)*[-1.0_wp, 1.0_wp]
+        distance = image%distance(end) + sum(slope*reach)
+        if (distance < 0.5_wp*sum(reach)) then
+            ! A contact does not extend beyond the corner.
+            slope = 0.5_wp
+            distance = 0.5_wp*sum(reach)
+        end if
+    end subroutine middle_to_corner
+
     !> Compute the derivative along flank 1 of the displacement by the mirror images of a contact
     !> under a unit force on it: the displaced point moves, the images stay.
-    pure subroutine image_tilt(images, half_width, tilt, by_half_width)
+    pure subroutine image_tilt(images, reach, tilt, by_reach)
         !> Mirror images of the contact behind the ends of both flanks
         type(image_type), intent(in) :: images(:)
-        !> Half-width of the contact, which does not extend beyond a corner [mm]
-        real(wp), intent(in) :: half_width
-        !> Derivative of the displacement [1/N], and its derivative with respect to the half-width
-        !> [1/(N mm)]
+        !> Extent of the contact towards smaller and greater arc length of flank 1 [mm], shape (2)
+        real(wp), intent(in) :: reach(2)
+        !> Derivative of the displacement [1/N], and its derivatives with respect to both extents
+        !> [1/(N mm)], shape (2)
         real(wp), intent(out) :: tilt
-        real(wp), intent(out) :: by_half_width
+        real(wp), intent(out) :: by_reach(2)
 
         integer :: k, end
-        real(wp) :: distance, mean, part
+        real(wp) :: distance, slope(2), mean, part
 
         tilt = 0.0_wp
-        by_half_width = 0.0_wp
+        by_reach = 0.0_wp
         do k = 1, size(images)
             do end = 1, 2
                 if (.not. images(k)%kernel(end) > 0.0_wp) cycle
-                distance = max(images(k)%distance(end), half_width)
+                call middle_to_corner(images(k), end, reach, distance, slope)
                 part = -1.0_wp/distance   ! Eq. (W1) with d = d'
                 if (images(k)%length > 0.0_wp) then
                     call own_potential(images(k)%length, 2.0_wp*distance, mean, part)
@@ -200,9 +215,8 @@ contains
                 end if
                 part = 0.5_wp*images(k)%sense(end)*images(k)%kernel(end)*part
                 tilt = tilt + part
-                ! in slices, this is the limit for lengths that exceed the half-width
-                if (half_width > images(k)%distance(end)) by_half_width = by_half_width &
-                    & - part/half_width
+                ! in slices, this is the limit for lengths that exceed the distance
+                by_reach = by_reach - part*slope/distance
             end do
         end do
     end subroutine image_tilt

@@ -109,8 +109,7 @@ contains
         n = size(system%of)
         slides = size(system%tangential, 2) > 0
         last = forces(system%of)
-        call linearise(meshes, position, system, last, state%motion, secant &
-            & .or. .not. last > 0.0_wp .or. system%places(system%of)%is_narrow, linear)
+        call linearise(meshes, position, system, last, state%motion, secant, linear)
         call solve_contact_problem(linear%matrix, linear%gaps, linear%levers, linear%rows, &
             & linear%loads, merge(general_matrix, symmetric_matrix, slides), method_single, &
             & pack([(k, k=1, n)], last > 0.0_wp), contact, error)
@@ -168,15 +167,14 @@ contains
         type(equations_type) :: linear
 
         found = forces(system%of)
-        call linearise(meshes, position, system, found, motion, .not. found > 0.0_wp &
-            & .or. system%places(system%of)%is_narrow, linear)
+        call linearise(meshes, position, system, found, motion, .false., linear)
         call keep_places(linear, found, motion, pivots, solved)
         if (solved) forces(system%of) = found
     end subroutine step_places
 
     !> Linearize the equations of the contacts. Levers are negative on coast flanks, which separate
     !> if body 1 turns further.
-    pure subroutine linearise(meshes, position, system, forces, motion, through_origin, linear)
+    pure subroutine linearise(meshes, position, system, forces, motion, secant, linear)
         !> The meshes, and the position
         type(mesh_type), intent(in) :: meshes(:)
         type(position_type), intent(in) :: position
@@ -186,16 +184,19 @@ contains
         real(wp), intent(in) :: forces(:)
         !> Last motions, shape (motions)
         real(wp), intent(in) :: motion(:)
-        !> True for secants through the origin instead of tangents, shape (n)
-        logical, intent(in) :: through_origin(:)
+        !> True for secants of near fields through the origin instead of tangents; contacts without
+        !> load always have secants
+        logical, intent(in) :: secant
         !> Linearized equations
         type(equations_type), intent(out) :: linear
 
         integer :: c, k, n
-        real(wp) :: line, beside, open(size(through_origin))
-        real(wp) :: rates(size(through_origin), size(motion))
+        logical, dimension(size(forces)) :: unloaded, through_origin
+        real(wp) :: line, beside, open(size(forces)), rates(size(forces), size(motion))
 
-        n = size(through_origin)
+        n = size(forces)
+        unloaded = .not. forces > 0.0_wp .or. system%places(system%of)%is_narrow
+        through_origin = secant .or. unloaded
         do k = 1, n
             associate (zone => position%zones(system%of(k)), place => system%places(system%of(k)))
                 do c = 1, size(motion)
@@ -226,21 +227,21 @@ contains
                     & - place%lever_slope*open(k)*place%force
             end associate
         end do
-        call add_moments(system, forces, through_origin, linear)
+        call add_moments(system, forces, unloaded, linear)
         if (size(system%tangential, 2) > 0) call add_friction(position, system, through_origin, &
             & linear)
     end subroutine linearise
 
     !> Add the displacements due to the moments of the pressures about the points of least gap, Eq.
     !> (L3) of docs/theory/lumped_contact.md.
-    pure subroutine add_moments(system, forces, through_origin, linear)
+    pure subroutine add_moments(system, forces, unloaded, linear)
         !> Lumped contacts
         type(lumped_system), intent(inout) :: system
         !> Last forces [N], shape (n)
         real(wp), intent(in) :: forces(:)
-        !> True for secants through the origin instead of tangents, without a moment of an untilted
-        !> contact, shape (n)
-        logical, intent(in) :: through_origin(:)
+        !> True for contacts without load, which have secants through the origin instead of tangents
+        !> and no moment while they are not tilted, shape (n)
+        logical, intent(in) :: unloaded(:)
         !> Equations without moments
         type(equations_type), intent(inout) :: linear
 
@@ -253,9 +254,9 @@ contains
         slopes = system%slopes
         do k = 1, n
             associate (place => system%places(system%of(k)))
-                call straighten(place%force, place%tilt(0), place%tilt(1), through_origin(k), own, &
+                call straighten(place%force, place%tilt(0), place%tilt(1), unloaded(k), own, &
                     & tilt(k))
-                call straighten(place%force, place%give(0), place%give(1), through_origin(k), &
+                call straighten(place%force, place%give(0), place%give(1), unloaded(k), &
                     & give_slope(k), give(k))
             end associate
             slopes(k, k) = slopes(k, k) + own
@@ -265,12 +266,12 @@ contains
             associate (place => system%places(system%of(k)))
                 ! a contact without load moves to its nearer end at most
                 nearer = minval(place%reach)
-                if (through_origin(k) .and. give_slope(k)*abs(tilt(k)) > nearer) then
+                if (unloaded(k) .and. give_slope(k)*abs(tilt(k)) > nearer) then
                     give_slope(k) = nearer/abs(tilt(k))
                 end if
                 give(k) = give(k) + give_slope(k)*forces(k)
-                moment(k) = merge(0.0_wp, place%moment(0), through_origin(k)) - give(k)*tilt(k)
-                arm(k) = merge(0.0_wp, place%moment(1), through_origin(k)) - give_slope(k)*tilt(k)
+                moment(k) = merge(0.0_wp, place%moment(0), unloaded(k)) - give(k)*tilt(k)
+                arm(k) = merge(0.0_wp, place%moment(1), unloaded(k)) - give_slope(k)*tilt(k)
             end associate
         end do
         do k = 1, n
@@ -285,7 +286,7 @@ contains
         end if
         added = added + transpose(added) - system%released
         do k = 1, n
-            if (through_origin(k)) cycle
+            if (unloaded(k)) cycle
             associate (place => system%places(system%of(k)))
                 added(k, k) = added(k, k) + (place%moment(2) - 0.5_wp*place%give(2)*tilt(k)) &
                     & *tilt(k) + moment(k)*place%tilt(2)

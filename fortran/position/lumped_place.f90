@@ -151,7 +151,7 @@ contains
         !> Lumped contact, whose force and half-widths are known
         type(place_type), intent(inout) :: place
 
-        real(wp) :: half_width, reach(2), image, by_reach(2), by_width
+        real(wp) :: half_width, reach(2), image, by_reach(2)
 
         reach = place%reach
         half_width = 0.5_wp*sum(reach)
@@ -165,9 +165,9 @@ contains
                 & - kernel*place%force*0.5_wp*sum(place%reach_slope)/half_width &
                 & + place%force*sum(by_reach*place%reach_slope)
         end if
-        call image_tilt(images, max(0.5_wp*sum(reach), least_half_width), image, by_width)
+        call image_tilt(images, max(reach, 0.5_wp*least_half_width), image, by_reach)
         place%tilt = place%force*image*[1.0_wp, 0.0_wp, 0.0_wp]
-        place%tilt(1) = image + place%force*by_width*0.5_wp*sum(place%reach_slope)
+        place%tilt(1) = image + place%force*sum(by_reach*place%reach_slope)
         place%tilt(2) = bend_of(place%force, place%tilt(0), place%tilt(1))
         place%tilt = place%tilt - lever_change*[place%approach, place%approach_slope, 0.0_wp]
         if (kernel > 0.0_wp) call moment_of(kernel, place)
