@@ -88,7 +88,7 @@ contains
     end subroutine follow_places
 
     !> Evaluate the contacts at the last forces, and make their pairs.
-    pure subroutine update_contacts(meshes, position, system, forces, pairs, error)
+    pure subroutine update_contacts(meshes, position, system, forces, rounded, pairs, error)
         !> The meshes
         type(mesh_type), intent(in) :: meshes(:)
         !> The position
@@ -97,6 +97,8 @@ contains
         type(lumped_system), intent(inout) :: system
         !> Last forces of the zones [N], shape (zones)
         real(wp), intent(in) :: forces(:)
+        !> True for derivatives of half-widths that do not jump
+        logical, intent(in) :: rounded
         !> Pairs, one per contact, for which there is room
         type(pairs_type), intent(inout) :: pairs
         !> Set if a circle misses flank 2
@@ -134,6 +136,7 @@ contains
                         & position%kernel(z), zone%flank_length)
                 end if
                 call reach_at(position, z, place)
+                if (rounded) call round_slopes(position, z, place)
                 call append_place(position, z, place, pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses)
@@ -193,6 +196,29 @@ contains
             place%reach_slope = position%kernel(z)*place%reach_slope
         end associate
     end subroutine reach_at
+
+    !> Replace the derivatives of the half-widths of a contact by those of secants. A derivative
+    !> jumps where a contact reaches another piece of the flank; so does then the displacement by
+    !> its moment, and no force may fulfil the equations.
+    pure subroutine round_slopes(position, z, place)
+        !> Position, and index of the zone
+        type(position_type), intent(in) :: position
+        integer, intent(in) :: z
+        !> Lumped contact under its force
+        type(place_type), intent(inout) :: place
+
+        !> Relative distance of the forces of a secant from that of the contact
+        real(wp), parameter :: beside = 0.03_wp
+        integer :: side
+        type(place_type) :: changed(2)
+
+        do side = 1, 2
+            changed(side) = place
+            changed(side)%force = (1.0_wp + (2*side - 3)*beside)*place%force
+            call reach_at(position, z, changed(side))
+        end do
+        place%reach_slope = (changed(2)%reach - changed(1)%reach)/(2.0_wp*beside*place%force)
+    end subroutine round_slopes
 
     !> Compute the near field of a contact.
     pure subroutine near_field_at(position, z, place)

@@ -32,7 +32,8 @@ module flankload_lumped_position
 
     !> Number of consecutive passes with Newton's method, which takes 3 to 5, and of all passes:
     !> for as many passes after the former, the ratio of near field and force replaces the
-    !> derivative, and the error decreases for flanks of any shape.
+    !> derivative, and the error decreases for flanks of any shape. After both, derivatives of
+    !> half-widths that jump are rounded.
     integer, parameter :: newton_passes = 12, max_passes = 60
     !> Relative change of the forces below which gaps are evaluated, below which the next pass has
     !> all derivatives and a certificate (without those of the levers, the error decreases a
@@ -90,8 +91,8 @@ contains
                 change = merge(nearly, huge(1.0_wp), pass == 1 &
                     & .and. .not. (allocated(start%places) .or. any(in_slice(position%zones))))
             end if
-            call place_contacts(meshes, position, forces, change, system, state%pairs, &
-                & since_update, error)
+            call place_contacts(meshes, position, forces, change, pass - begun >= 2*newton_passes, &
+                & system, state%pairs, since_update, error)
             if (allocated(error)) return
             tangents = modulo(pass - begun, 2*newton_passes) < newton_passes
             last_pass = since_update <= settled .and. change <= merge(close, settled, tangents)
@@ -119,7 +120,7 @@ contains
 
     !> Evaluate the contacts under other forces, or follow these by powers; neither if the forces
     !> have hardly changed since the last evaluation.
-    pure subroutine place_contacts(meshes, position, forces, change, system, pairs, &
+    pure subroutine place_contacts(meshes, position, forces, change, rounded, system, pairs, &
             & since_update, error)
         !> The meshes, and the position
         type(mesh_type), intent(in) :: meshes(:)
@@ -127,6 +128,8 @@ contains
         !> Forces of the zones [N], shape (zones), and their relative change in the last pass
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: change
+        !> True for derivatives of half-widths that do not jump
+        logical, intent(in) :: rounded
         !> Lumped contacts, and their pairs
         type(lumped_system), intent(inout) :: system
         type(pairs_type), intent(inout) :: pairs
@@ -138,7 +141,7 @@ contains
         if (.not. since_update > settled) return
         if (change <= nearly .or. (since_update < huge(1.0_wp) &
             & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
-            call update_contacts(meshes, position, system, forces, pairs, error)
+            call update_contacts(meshes, position, system, forces, rounded, pairs, error)
             since_update = 0.0_wp
         else
             call follow_places(position, some_force(forces, system%full), system, pairs)
