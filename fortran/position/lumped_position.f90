@@ -32,8 +32,8 @@ module flankload_lumped_position
 
     !> Number of consecutive passes with Newton's method, which takes 3 to 5, and of all passes:
     !> for as many passes after the former, the ratio of near field and force replaces the
-    !> derivative, and the error decreases for flanks of any shape. After both, derivatives of
-    !> half-widths that jump are rounded.
+    !> derivative, and the error decreases for flanks of any shape. After both, each pass has all
+    !> derivatives, and those of half-widths that jump are rounded.
     integer, parameter :: newton_passes = 12, max_passes = 60
     !> Relative change of the forces below which gaps are evaluated, below which the next pass has
     !> all derivatives and a certificate (without those of the levers, the error decreases a
@@ -63,7 +63,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: pass, begun, pivots
-        logical :: included(size(position%zones)), done, tangents, last_pass, solved
+        logical :: included(size(position%zones)), done, tangents, careful, last_pass, solved
         real(wp) :: change, since_update, forces(size(position%zones)), last(size(position%zones))
         type(lumped_system) :: system
 
@@ -91,12 +91,13 @@ contains
                 change = merge(nearly, huge(1.0_wp), pass == 1 &
                     & .and. .not. (allocated(start%places) .or. any(in_slice(position%zones))))
             end if
-            call place_contacts(meshes, position, forces, change, pass - begun >= 2*newton_passes, &
-                & system, state%pairs, since_update, error)
+            careful = pass - begun >= 2*newton_passes
+            call place_contacts(meshes, position, forces, change, careful, system, state%pairs, &
+                & since_update, error)
             if (allocated(error)) return
             tangents = modulo(pass - begun, 2*newton_passes) < newton_passes
             last_pass = since_update <= settled .and. change <= merge(close, settled, tangents)
-            if (last_pass) call differentiate_levers(position, forces, system)
+            if (last_pass .or. careful) call differentiate_levers(position, forces, system)
             last = forces
             ! with friction K is not symmetric
             solved = tangents .and. size(system%tangential, 2) == 0 .and. .not. last_pass
