@@ -88,7 +88,7 @@ contains
     end subroutine follow_places
 
     !> Evaluate the contacts at the last forces, and make their pairs.
-    pure subroutine update_contacts(meshes, position, system, forces, rounded, pairs, error)
+    pure subroutine update_contacts(meshes, position, system, forces, pairs, error)
         !> The meshes
         type(mesh_type), intent(in) :: meshes(:)
         !> The position
@@ -97,8 +97,6 @@ contains
         type(lumped_system), intent(inout) :: system
         !> Last forces of the zones [N], shape (zones)
         real(wp), intent(in) :: forces(:)
-        !> True for derivatives of half-widths that do not jump
-        logical, intent(in) :: rounded
         !> Pairs, one per contact, for which there is room
         type(pairs_type), intent(inout) :: pairs
         !> Set if a circle misses flank 2
@@ -136,7 +134,7 @@ contains
                         & position%kernel(z), zone%flank_length)
                 end if
                 call reach_at(position, z, place)
-                if (rounded) call round_slopes(position, z, place)
+                if (system%careful) call round_slopes(position, z, place)
                 call append_place(position, z, place, pairs, found)
                 if (.not. found) then
                     call fatal_error(error, code_circle_misses)

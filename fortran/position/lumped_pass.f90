@@ -43,6 +43,8 @@ module flankload_lumped_pass
         !> Last sum of Eq. (L3) of docs/theory/lumped_contact.md [mm/N], shape (n, n): that of the
         !> first pass, until it is deallocated before the last one
         real(wp), allocatable :: released(:, :)
+        !> True for passes with all derivatives, of which those of half-widths do not jump
+        logical :: careful = .false.
     end type lumped_system
 
     !> Linearized equations of the contacts considered.

@@ -63,7 +63,7 @@ contains
         type(error_type), allocatable, intent(out) :: error
 
         integer :: pass, begun, pivots
-        logical :: included(size(position%zones)), done, tangents, careful, last_pass, solved
+        logical :: included(size(position%zones)), done, tangents, last_pass, solved
         real(wp) :: change, since_update, forces(size(position%zones)), last(size(position%zones))
         type(lumped_system) :: system
 
@@ -78,10 +78,8 @@ contains
         do pass = 1, max_passes
             if (size(system%of) /= count(included)) then
                 call couple(bodies, meshes, position, included, system)
-                if (any(is_level(position%zones(system%of)))) then
-                    call fatal_error(error, code_conforms)
-                    return
-                end if
+                if (any(is_level(position%zones(system%of)))) call fatal_error(error, code_conforms)
+                if (allocated(error)) return
                 if (pass > 1 .or. .not. allocated(start%places)) call take_parabolas(position, &
                     & some_force(forces, system%full), system)
                 call reserve_pairs(state%pairs, size(system%of))
@@ -91,13 +89,13 @@ contains
                 change = merge(nearly, huge(1.0_wp), pass == 1 &
                     & .and. .not. (allocated(start%places) .or. any(in_slice(position%zones))))
             end if
-            careful = pass - begun >= 2*newton_passes
-            call place_contacts(meshes, position, forces, change, careful, system, state%pairs, &
+            system%careful = pass - begun >= 2*newton_passes
+            call place_contacts(meshes, position, forces, change, system, state%pairs, &
                 & since_update, error)
             if (allocated(error)) return
             tangents = modulo(pass - begun, 2*newton_passes) < newton_passes
             last_pass = since_update <= settled .and. change <= merge(close, settled, tangents)
-            if (last_pass .or. careful) call differentiate_levers(position, forces, system)
+            if (last_pass .or. system%careful) call differentiate_levers(position, forces, system)
             last = forces
             ! with friction K is not symmetric
             solved = tangents .and. size(system%tangential, 2) == 0 .and. .not. last_pass
@@ -121,7 +119,7 @@ contains
 
     !> Evaluate the contacts under other forces, or follow these by powers; neither if the forces
     !> have hardly changed since the last evaluation.
-    pure subroutine place_contacts(meshes, position, forces, change, rounded, system, pairs, &
+    pure subroutine place_contacts(meshes, position, forces, change, system, pairs, &
             & since_update, error)
         !> The meshes, and the position
         type(mesh_type), intent(in) :: meshes(:)
@@ -129,8 +127,6 @@ contains
         !> Forces of the zones [N], shape (zones), and their relative change in the last pass
         real(wp), intent(in) :: forces(:)
         real(wp), intent(in) :: change
-        !> True for derivatives of half-widths that do not jump
-        logical, intent(in) :: rounded
         !> Lumped contacts, and their pairs
         type(lumped_system), intent(inout) :: system
         type(pairs_type), intent(inout) :: pairs
@@ -142,7 +138,7 @@ contains
         if (.not. since_update > settled) return
         if (change <= nearly .or. (since_update < huge(1.0_wp) &
             & .and. any(forces(system%of) > many_times*system%places(system%of)%force))) then
-            call update_contacts(meshes, position, system, forces, rounded, pairs, error)
+            call update_contacts(meshes, position, system, forces, pairs, error)
             since_update = 0.0_wp
         else
             call follow_places(position, some_force(forces, system%full), system, pairs)

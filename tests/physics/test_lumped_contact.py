@@ -21,6 +21,7 @@ from flankload.pairing.body_pair import BodyPair
 from flankload.scene.discretization import Grid
 from tests.support.paths import SCENES
 from tests.support.pressed_cylinders import CASE, LEVER, contact
+from tests.support.random_scenes import spatial_scenes
 from tests.support.tolerances import SOLVER
 
 #: Finer than any default, so that the cells' own error does not count.
@@ -219,3 +220,17 @@ def test_no_torque_needs_no_level() -> None:
 def test_conforming_flanks_have_no_place() -> None:
     with pytest.raises(InputError, match="here the flanks conform and touch over a length"):
         swept("spline", "lumped")
+
+
+@pytest.mark.parametrize("number", [11, 15, 23])
+def test_contacts_at_jumps_of_their_half_widths_settle(number: int) -> None:
+    """Internal pairs with a contact that just reaches a corner or another piece of its flank.
+
+    Its forces alternated between both sides, by up to 0.7 %, in 1 to 6 of 128 states each.
+    """
+    _, scene = spatial_scenes(number + 1, seed=7001)[number]
+    beside = {"positions": {"count": 128}, "effects": {"dimension": 3, "contact": "lumped"}}
+    accuracy = {"estimate": False, "tangents": False}
+    result = fl.solve(fl.Scene.from_dict(scene | beside | {"accuracy": accuracy}))
+    assert (result.status == 0).all()
+    assert np.abs(result.load_share.sum(axis=1) - 1.0).max() < SOLVER
