@@ -153,7 +153,6 @@ def choose_discretization(
     missed = last.missed(tolerance)
     if not missed or len(attempts) == MOST_RUNS:
         return None
-    limits = last.limits(tolerance)
     by_source, positions = last.scaled_by_source(), last.choice.positions
     if positions.adaptive is not None and "positions" in by_source:
         positions, by_source["positions"] = finer_positions(
@@ -162,13 +161,13 @@ def choose_discretization(
     if len(attempts) > 1:  # elements are not solved a third time
         steps = {n: ahead for n, ahead in parameters.steps.items() if n not in OF_ELEMENTS}
         parameters = replace(parameters, steps=steps)
-    refining = _Refining(parameters, last.choice.values, by_source, limits)
+    refining = _Refining(parameters, last.choice.values, by_source, AIM * tolerance)
     values = refining.values(set(missed))
     choice = Choice(values, positions, refining.foreseen(values))
     if (values, positions) == (last.choice.values, last.choice.positions):
         return None
-    target = 1.0 if len(attempts) == 1 else AIM
-    meets = any(choice.foreseen[quantity] <= target * limits[quantity] for quantity in missed)
+    target = tolerance if len(attempts) == 1 else AIM * tolerance
+    meets = any(choice.foreseen[quantity] <= target for quantity in missed)
     return choice if meets or (len(attempts) == 1 and values != last.choice.values) else None
 
 
@@ -207,10 +206,10 @@ class _Refining:
     """Refinement of the parameters from a run, each source with its order of convergence."""
 
     def __init__(
-        self, parameters: Parameters, start: Values, by_source: Table, limits: Errors
+        self, parameters: Parameters, start: Values, by_source: Table, wanted: float
     ) -> None:
         self._parameters, self._start, self._by_source = parameters, start, by_source
-        self._wanted = {quantity: AIM * limit for quantity, limit in limits.items()}
+        self._wanted = wanted
 
     def _left(self, values: Values, quantity: str) -> Errors:
         """Predicted error of a quantity from each source."""
@@ -239,7 +238,7 @@ class _Refining:
         """Parameters with which missed quantities meet the tolerance, or approach it if cheap."""
         finest = self._refined(self._start, missed)
         errors = self.foreseen(finest)
-        can = {name for name in missed if errors[name] <= self._wanted[name]}
+        can = {name for name in missed if errors[name] <= self._wanted}
         values = self._refined(self._start, can)
         return self._refined(values, missed - can, (values, self._parameters.values))
 
@@ -251,13 +250,13 @@ class _Refining:
         left = set(missed)
         while left:
             errors = self.foreseen(values)
-            worst = max(sorted(left), key=lambda name: errors[name] / self._wanted[name])
-            wanted, sources = self._wanted[worst], self._left(values, worst)
-            least = wanted * equal_part(sources)
+            worst = max(sorted(left), key=lambda name: errors[name])
+            sources = self._left(values, worst)
+            least = self._wanted * equal_part(sources)
             large = sorted((s for s in sources if sources[s] >= least), key=lambda s: -sources[s])
             steps = (self._parameters.finer(values, source) for source in large)
             finer = next((step for step in steps if step and not self._is_long(step, cheap)), None)
-            if finer is None or errors[worst] <= wanted:
+            if finer is None or errors[worst] <= self._wanted:
                 left.remove(worst)
             else:
                 values = finer

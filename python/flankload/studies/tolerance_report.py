@@ -33,9 +33,6 @@ BOUND = (
     "peak_pressure",
     "stiffness_secant",
 )
-#: Tolerances within which the estimate of a quantity that no estimate certifies may be: estimates
-#: are two standard deviations, and a further run would not make it certain.
-OF_UNCERTAIN = 2.0
 #: Sources that no parameter controls, with what controls them instead.
 LEFT_BY = {
     "lumped": "caused by effects.contact = 'lumped'",
@@ -95,12 +92,6 @@ class Attempt:
                 errors[quantity] = max(errors.get(quantity, 0.0), error)
         return cls(choice, results, errors, errors_by_source(results))
 
-    def limits(self, tolerance: float) -> Errors:
-        """Largest allowed error of each quantity: the tolerance, of uncertain ones a multiple."""
-        unsure: set[str] = set()
-        unsure.update(*((result.estimate or {}).get("uncertain", {}) for result in self.results))
-        return {name: (OF_UNCERTAIN if name in unsure else 1.0) * tolerance for name in BOUND}
-
     def scaled_by_source(self) -> Table:
         """Errors by source, larger for a quantity whose error exceeds the root of their squares.
 
@@ -116,9 +107,8 @@ class Attempt:
         }
 
     def missed(self, tolerance: float) -> list[str]:
-        """Quantities whose error exceeds its limit."""
-        limits = self.limits(tolerance)
-        return [quantity for quantity, error in self.errors.items() if error > limits[quantity]]
+        """Quantities whose error exceeds the tolerance."""
+        return [quantity for quantity, error in self.errors.items() if error > tolerance]
 
     @property
     def has_corners(self) -> bool:
@@ -169,7 +159,7 @@ def tolerance_report(
     values["positions"] = int(last.results[0].position_rad.size)
     itself = [(result.estimate or {}).get(OF_LARGEST) for result in last.results]
     uncertain = _uncertain(parameters, last) if errors else []
-    missed, limits = last.missed(tolerance), last.limits(tolerance)
+    missed = last.missed(tolerance)
     report: dict[str, Any] = {
         "tolerance": tolerance,
         "met": False if missed else None if uncertain or not errors else True,
@@ -190,9 +180,7 @@ def tolerance_report(
         "keys": last.choice.discretization(parameters).tables(),
         "tightened": _tightened(first.choice, last.choice),
         "errors_before": dict(first.errors) if len(attempts) > 1 else None,
-        "missed": [
-            _missed(quantity, limits[quantity], parameters, attempts) for quantity in missed
-        ],
+        "missed": [_missed(quantity, tolerance, parameters, attempts) for quantity in missed],
     }
     if not errors:
         loaded = any(result.torque_Nm > 0 for result in last.results)
@@ -223,7 +211,7 @@ def _tightened(first: Choice, last: Choice) -> dict[str, list[float | None]]:
 
 
 def _missed(
-    quantity: str, limit: float, parameters: Parameters, attempts: Sequence[Attempt]
+    quantity: str, tolerance: float, parameters: Parameters, attempts: Sequence[Attempt]
 ) -> dict[str, Any]:
     by_source = attempts[-1].by_source
     source = max(by_source, key=lambda name: by_source[name].get(quantity, 0.0))
@@ -234,16 +222,16 @@ def _missed(
         "beside": sorted(
             name
             for name, errors in by_source.items()
-            if name != source and errors.get(quantity, 0.0) > limit
+            if name != source and errors.get(quantity, 0.0) > tolerance
         ),
-        "why": _why(source, quantity, limit, parameters, attempts),
+        "why": _why(source, quantity, tolerance, parameters, attempts),
     }
 
 
 def _why(
     source: str,
     quantity: str,
-    limit: float,
+    tolerance: float,
     parameters: Parameters,
     attempts: Sequence[Attempt],
 ) -> str:
@@ -258,7 +246,7 @@ def _why(
         return "a rounding, a chamfer or a kink that this number of strips does not resolve"
     if source != "positions" and parameters.finer(last.choice.values, source) is None:
         why = parameters.ends.get(name, "the parameter is at its finest value")
-    elif last.choice.foreseen.get(quantity, np.inf) > limit:
+    elif last.choice.foreseen.get(quantity, np.inf) > tolerance:
         why = "no value of the parameter is likely to meet the tolerance"
     else:
         why = "larger than predicted"
