@@ -26,6 +26,7 @@ from flankload.elasticity.near_field import mode_norms, mode_values, projected_l
 from flankload.errors import ComplianceFileError, SceneError
 from flankload.mechanisms.flank_pair import assembly
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.mechanisms.flank_pair.states import LARGEST_TURN
 from flankload.pairing.body_pair import BodyPair
 from tests.support.compliance_scenes import (
     FROM_FILE_1,
@@ -103,6 +104,33 @@ def test_scene_read_back_is_the_original_bit_by_bit(folder: Path, plain: fl.Resu
         np.testing.assert_array_equal(
             getattr(found.drawing, outline), getattr(plain.drawing, outline)
         )
+
+
+def test_forces_turn_on_the_mate_of_a_sharp_tip(tmp_path: Path) -> None:
+    """Regression: the file of a rounded body had no response along the flank."""
+    rounded = {"tip_radius_mm": 0.3}
+    write_compliance(tmp_path, one=rounded)
+    found = solved(tmp_path, body_1=FROM_FILE_1, body_2=FROM_FILE_2)
+    assert_same(found, solved(body_1={**ONE, **rounded}))
+
+
+def test_a_file_without_loads_along_the_flank_is_warned_about(
+    folder: Path, plain: fl.Result, tmp_path: Path
+) -> None:
+    """Files of earlier versions hold `turned` in place of `smooth_nt`."""
+    with np.load(folder / "body_1.npz") as file:
+        arrays = {name: file[name] for name in file.files if not name.endswith("_nt")}
+    arrays["turned"] = np.zeros(arrays["smooth"].shape[:2])
+    np.savez(tmp_path / "body_1.npz", **arrays)
+    shutil.copy(folder / "body_2.npz", tmp_path)
+    found = solved(tmp_path, body_1=FROM_FILE_1, body_2=FROM_FILE_2)
+    (note,) = [line for line in found.warnings if "do not turn over sharp tips" in line]
+    assert note.startswith("forces on body_1 ")
+    assert "smooth_nt" in note
+    apart = np.abs(found.rotation_rad / plain.rotation_rad - 1.0)
+    corner = plain.corner_contact.any(axis=1)
+    assert 0.0 < apart[corner].max() < LARGEST_TURN
+    assert apart[~corner].max() < SOLVER
 
 
 def test_estimate_is_that_of_the_original(folder: Path) -> None:

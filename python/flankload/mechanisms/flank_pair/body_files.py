@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flankload.bodies import WholeMesh
+from flankload.bodies.free_corner import forces_turn
 from flankload.elasticity.modal_arrays import modal_arrays
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.protocol import ComplianceFile, MeshFile
+from flankload.pairing.body_pair import BodyJob
 from flankload.scene.refusal import refuse
 
 if TYPE_CHECKING:
@@ -55,12 +57,13 @@ def compliance_files(scene: Scene) -> Iterator[ComplianceFile]:
 def files_of_compliances(
     scene: Scene, names: Sequence[str], bodies: Sequence[Body]
 ) -> Iterator[ComplianceFile]:
-    """Compliances of bodies."""
+    """Compliances of bodies that touch."""
+    job = BodyJob(elastic=True, turns=forces_turn(bodies))
     for name, body in zip(names, bodies, strict=True):
         if body.rigid:
             yield ComplianceFile(name, None, "rigid, so it has no compliance")
             continue
-        found = compliance_of(body, scene)
+        found = compliance_of(body, scene, job=job)
         arrays = modal_arrays(body, found, plane=scene.accuracy.plane)
         shape = body.axial
         extent = f"plane {scene.accuracy.plane}" if shape.plane else f"{shape.width_mm:g} mm wide"

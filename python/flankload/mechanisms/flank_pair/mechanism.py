@@ -24,6 +24,7 @@ from flankload.mechanisms.flank_pair.states import (
     incomplete_estimate_notes,
     position_notes,
     record_files,
+    unturned_notes,
 )
 from flankload.mechanisms.scene_bodies import PAIR
 from flankload.pairing.body_pair import BodyPair
@@ -101,7 +102,11 @@ class FlankPair:
                 found,
                 estimate=estimate,
                 geometry=states.geometry,
-                notes=(*unseen, *position_notes(scene, assembly, doubt)),
+                notes=(
+                    *unturned_notes(assembly, compliances, found),
+                    *unseen,
+                    *position_notes(scene, assembly, doubt),
+                ),
             )
             cost = {**result.cost, "position_rounds": states.rounds}
             results.append(with_iso_factor(replace(result, cost=cost), scene, assembly))

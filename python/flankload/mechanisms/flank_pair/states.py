@@ -17,6 +17,8 @@ from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.root_error import root_tension
 from flankload.analysis.sampling_error import between_positions
 from flankload.base.number_text import percent
+from flankload.bodies.imported.compliance import ModalCompliance
+from flankload.contact.status import on_corner
 from flankload.contact.sweep import join_sweeps, known_contacts, sweep
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
@@ -56,6 +58,14 @@ if TYPE_CHECKING:
 
 #: Least variation of the transmission error above roundoff, relative to the flank's length.
 LEAST_VARIATION = 1e-7
+#: Largest error of the rotation if forces do not turn over a sharp tip (FZG type C pair).
+LARGEST_TURN = 0.007
+#: Reasons why forces on a body from a compliance file do not turn, and remedies.
+WITHOUT_SMOOTH_NT = (
+    "files of earlier versions have no response to loads along the flank (smooth_nt)",
+    "; flankload compliance writes a file that has it",
+)
+BETWEEN_NODES = ("a matrix between nodes has no response to loads along the flank", "")
 
 
 @dataclass(frozen=True)
@@ -346,3 +356,22 @@ def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple
         f"{' and '.join(unknown)}, which its file does not state"
     )
     return (note,)
+
+
+def unturned_notes(pair: BodyPair, compliances: Compliances, found: Sweep) -> Iterator[str]:
+    """Notes on imported bodies whose forces do not turn over sharp tips, if corners carry load."""
+    if not on_corner(found.slices.corner_off_ends).any():
+        return
+    named: dict[tuple[str, str], list[str]] = {}
+    for name, body, job, compliance in zip(
+        pair.names, pair.bodies, pair.jobs, compliances, strict=True
+    ):
+        if body.imported is not None and not compliance.turns and job.turns and job.elastic:
+            modal = isinstance(body.imported, ModalCompliance)
+            named.setdefault(WITHOUT_SMOOTH_NT if modal else BETWEEN_NODES, []).append(name)
+    for (why, remedy), names in named.items():
+        yield (
+            f"forces on {' and '.join(names)} do not turn over sharp tips, since {why}: where tips "
+            f"carry load, the rotation has an error of up to about {percent(LARGEST_TURN)}, which "
+            f"the error estimate omits{remedy}"
+        )
