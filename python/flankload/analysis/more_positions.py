@@ -50,7 +50,7 @@ def beside_more_positions(
     few = join_sweeps([many], np.arange(0, many.status.size, TIMES))
     one, two = _over_period(few), _over_period(many)
     errors = {}
-    for name in one.keys() & two.keys():
+    for name in (name for name in one if name in two):
         rest = curve[name].size if name in curve else 0.0
         change = one[name] - two[name]
         doubt = float(np.hypot(change, rest * two[name]))
