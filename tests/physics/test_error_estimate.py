@@ -18,6 +18,8 @@ from flankload.analysis.error_rules import (
     remaining_errors,
 )
 from flankload.analysis.estimate import (
+    BESIDE_ENDS,
+    COMPARED_ON_CORNERS,
     MISSING,
     ON_CORNERS,
     ON_TIPS,
@@ -33,9 +35,11 @@ from flankload.errors import PivotLimit
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import contact_of
+from flankload.report.findings import findings_of
 from flankload.scene.discretization import DEFAULT, Discretization, Grid
 from flankload.studies.settings import estimated_error
 from tests.support.finer_solutions import compared
+from tests.support.gear_scenes import example
 from tests.support.random_scenes import scenes
 from tests.support.solving import solve
 
@@ -328,6 +332,18 @@ def test_pressures_beside_the_ends_of_a_flank_are_left_out() -> None:
         assert "peak_pressure" in found.estimate
         assert ("largest_pressure" in found.estimate) is given
         assert ("MPa +- " in found.table()) is given
+        assert (BESIDE_ENDS in found.table()) is not given
+        (*_, unestimated) = ("", *findings_of((found,)).uncertain)
+        assert unestimated.endswith(BESIDE_ENDS) is not given
+
+
+def test_a_largest_pressure_that_no_run_compares_has_no_estimate() -> None:
+    """Regression: its error was 0, since the coarse runs touch with a corner there."""
+    found = solve(fl.Scene.from_dict(example("two_pinions")))
+    assert isinstance(found, fl.Result)
+    assert found.estimate is not None
+    assert "largest_pressure" not in found.estimate
+    assert found.estimate["uncertain"]["largest_pressure"] == COMPARED_ON_CORNERS
 
 
 def test_pressure_on_a_rounding_is_uncertain() -> None:
@@ -337,7 +353,8 @@ def test_pressure_on_a_rounding_is_uncertain() -> None:
         solve(fl.Scene.from_dict({**PAIR, **bodies, "positions": {"angles_deg": [angle]}})).estimate
         for angle in (5.625, 0.0)
     ]
-    assert [(one or {}).get("uncertain") for one in found] == [{"peak_pressure": ON_TIPS}, None]
+    on_tip = {"largest_pressure": BESIDE_ENDS, "peak_pressure": ON_TIPS}
+    assert [(one or {}).get("uncertain") for one in found] == [on_tip, None]
 
 
 def test_secant_stiffness_is_estimated_where_body_1_lags_behind() -> None:

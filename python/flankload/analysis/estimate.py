@@ -98,6 +98,9 @@ ON_CORNERS = (
 )
 ON_ENDS = "contact on sharp ends, where no finite pressure exists (end_relief_um makes it finite)"
 ON_TIPS = "contact on a rounding or a chamfer, where the pressure converges slowly"
+#: Reasons why a pressure has no estimate (the first: `resolved_peaks`).
+BESIDE_ENDS = "beside the end of a flank or on its tip, where pressure modes do not resolve it"
+COMPARED_ON_CORNERS = "on a sharp corner in the runs that it is compared with"
 #: Reason for quantities without the error of a source.
 MISSING = "states of the comparison do not converge: {}"
 #: Largest number of sweeps of an estimate.
@@ -125,7 +128,7 @@ class Estimate:
     by_source : dict
         Error of each source alone. Sources may cancel.
     uncertain : dict of str to str
-        Quantities whose error may be larger than estimated, with the reason.
+        Quantities whose error may be larger than estimated or has no estimate, with the reason.
     """
 
     errors: Errors
@@ -264,13 +267,17 @@ def estimate_errors(
             for parts in errors.values():
                 parts.pop(PEAK_PRESSURE, None)
                 parts.pop(LARGEST_PRESSURE, None)
-        hidden = all_peaks[t] > largest_peak(part)
         for parts in errors.values():
             if PEAK_PRESSURE in parts and LARGEST_PRESSURE not in parts:
                 parts[LARGEST_PRESSURE] = at_largest_peak(parts[PEAK_PRESSURE], part)
-            if hidden:
-                parts.pop(LARGEST_PRESSURE, None)
+        hidden = all_peaks[t] > largest_peak(part)
         uncertain = _uncertain_pressure(whole, compliances)
+        place = np.where(on_corner(part.site_corner), 0.0, part.site_peak_N_per_mm).argmax()
+        compared = (coarse[t], *each.values())
+        on_corners = any(on_corner(one.site_corner).flat[place] for one in compared)
+        uncertain |= _without_largest(errors, hidden=hidden, on_corners=on_corners)
+        if hidden and not largest_peak(part):
+            uncertain.setdefault(PEAK_PRESSURE, BESIDE_ENDS)
         if missing:
             quantities = set().union(*errors.values())
             uncertain |= dict.fromkeys(sorted(quantities), MISSING.format(missing))
@@ -278,12 +285,29 @@ def estimate_errors(
     return tuple(estimates)
 
 
+def _without_largest(
+    errors: Mapping[str, dict[str, RemainingError]], *, hidden: bool, on_corners: bool
+) -> dict[str, str]:
+    """Leave out the error of a largest pressure that is unknown; the reason, if so.
+
+    `on_corners`: it is on a corner in a sweep that is compared.
+    """
+    each = [parts[LARGEST_PRESSURE] for parts in errors.values() if LARGEST_PRESSURE in parts]
+    # without any error, no comparison has it off corners
+    uncompared = on_corners and bool(each) and not any(one.size for one in each)
+    if not (hidden or uncompared):
+        return {}
+    for parts in errors.values():
+        parts.pop(LARGEST_PRESSURE, None)
+    return {LARGEST_PRESSURE: BESIDE_ENDS if hidden else COMPARED_ON_CORNERS}
+
+
 def _uncertain_pressure(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> dict[str, str]:
     """The peak pressure with the reason if no estimate bounds its error; else nothing."""
     if on_corner(part.site_corner).any():
         on_tips = on_corner(part.slices.corner_off_ends).any()
-        return {"peak_pressure": ON_CORNERS if on_tips else ON_ENDS}
-    return {"peak_pressure": ON_TIPS} if _on_tip(part, compliances) else {}
+        return {PEAK_PRESSURE: ON_CORNERS if on_tips else ON_ENDS}
+    return {PEAK_PRESSURE: ON_TIPS} if _on_tip(part, compliances) else {}
 
 
 def _on_tip(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from flankload.contact.status import Status
 from flankload.report.key_figures import percent
 from flankload.result.notes import OUTSIDE, accuracy_lines, warning_lines
-from flankload.result.table import STATUS_WORDS
+from flankload.result.table import STATUS_WORDS, unestimated_pressure
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -69,6 +69,12 @@ def _without_estimate(results: Sequence[Result]) -> Iterator[str]:
         yield (
             f"no error estimate under {', '.join(missing)} N m: the scene switches it off "
             "(accuracy.estimate = false)"
+        )
+    hidden = {f"{one.torque_Nm:g}": why for one in results if (why := unestimated_pressure(one))}
+    if hidden:
+        yield (
+            f"no error estimate of the largest pressure under {', '.join(hidden)} N m: it is "
+            f"{next(iter(hidden.values()))}"
         )
     if any(one.summary["corner_pressure_pair"] is not None for one in results):
         yield (

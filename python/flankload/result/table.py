@@ -184,6 +184,8 @@ def _estimate_lines(result: Result, beyond: str) -> Iterator[Line]:
     text = _estimate(estimate)
     if summary["peak_pressure_MPa"] is None:
         text += ", peak pressure not estimated (sharp corners)"
+    elif unestimated_pressure(result) and "peak_pressure" not in estimate:
+        text += ", peak pressure not estimated (beside ends of flanks)"
     yield "estimated error", text + beyond
     for source, label in SHOWN_ALONE.items():
         left = result.estimate.get("by_source", {}).get(source, {})
@@ -269,9 +271,16 @@ def _largest_pressure(result: Result) -> str:
     error = plus_minus(result.estimate, "largest_pressure")
     place = _place(result, summary, "peak_pressure_")
     text = f"{summary['peak_pressure_MPa']:.0f} MPa{error} {place}"
+    if why := unestimated_pressure(result):
+        text += f" (error not estimated: {why})"
     if summary["corner_pressure_pair"] is not None:
         text += f"; at sharp corners ({MARK}) no finite pressure exists"
     return text
+
+
+def unestimated_pressure(result: Result) -> str:
+    """Reason why the largest pressure has no estimate; empty if it has one, or nothing has."""
+    return str((result.estimate or {}).get("uncertain", {}).get("largest_pressure", ""))
 
 
 def _friction(friction: FrictionResult) -> str:
