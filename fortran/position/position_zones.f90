@@ -455,8 +455,12 @@ contains
         integer, intent(in) :: site
         integer :: last
 
+        integer :: b
+
         last = site
         if (.not. allocated(mesh%slices)) return
+        ! flanks that differ from slice to slice may have minima in between that neither end has
+        if (any([(size(bodies(mesh%bodies(b))%flanks), b=1, 2)] > 1)) return
         do while (last < mesh%n_sites)
             if (.not. faces(last + 1) .or. is_same_section(bodies, mesh, last + 1) &
                 & .or. slice_of(mesh%slices, last + 1) == 1) return

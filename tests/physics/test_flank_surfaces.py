@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.base.arrays import Floats
 from flankload.bodies.profile_deviation import deviation_at
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from tests.support.paths import SCENES
@@ -352,3 +353,29 @@ def test_rows_of_a_topography_lie_at_their_diameters_on_teeth_that_point_inwards
     # places are interpolated between samples of the flank
     np.testing.assert_allclose(found, rows[::-1], rtol=0, atol=1e-6)
     np.testing.assert_allclose(1000.0 * grid.removed_mm[:, 0], np.arange(6)[::-1], rtol=ROUND_OFF)
+
+
+def test_a_hump_in_the_middle_slice_touches_where_one_of_full_width_does(tmp_path: Path) -> None:
+    """Flanks of all other slices are equal; without load, the slice that touches first counts."""
+
+    def unloaded(name: str, over: tuple[float, float]) -> Floats:
+        columns = [0.0, over[0], over[0] + 0.01, over[1] - 0.01, over[1], 14.0]
+        lines = [",".join(["diameter_mm", *(f"{z:g}" for z in columns)])]
+        for diameter in np.linspace(67.7, 82.46, 60):
+            hump = f"{-150.0 * np.exp(-(((diameter - 69.3) / 0.4) ** 2)):.6f}"
+            lines.append(",".join([f"{diameter:.6f}", "0", "0", hump, hump, "0", "0"]))
+        (tmp_path / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        changes = {
+            **SMALL,
+            "body_1__topography_file": str(tmp_path / name),
+            "effects__contact": "lumped",
+            "effects__beyond_limits": True,
+            "accuracy__slices": 7,
+            "positions__count": 40,
+        }
+        found = fl.solve(fl.Scene.from_dict(tree_of("external_gear", changes)))
+        assert found.unloaded_rotation_rad is not None
+        return found.unloaded_rotation_rad
+
+    everywhere, middle = unloaded("all.csv", (0.005, 13.995)), unloaded("middle.csv", (5.9, 8.1))
+    np.testing.assert_allclose(middle, everywhere, rtol=0, atol=1e-9)
