@@ -36,6 +36,7 @@ BOUND = (
 #: Sources that no parameter controls, with what controls them instead.
 LEFT_BY = {
     "lumped": "caused by effects.contact = 'lumped'",
+    "touch": "the mean gap of a slice closes late: a larger accuracy.slices reduces it",
     "period": "positions.pitches omits teeth with another compliance",
     "one solution": "caused by effects.large_displacement = false",
 }
