@@ -69,7 +69,7 @@ contains
         !> Matrix [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
         !> As in add_cells
-        real(wp), intent(in), optional :: along(:, :)
+        real(wp), contiguous, intent(in), optional :: along(:, :)
 
         integer :: a, b
 
@@ -300,7 +300,7 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
         !> As in add_cells
-        real(wp), intent(in), optional :: along(:, :)
+        real(wp), contiguous, intent(in), optional :: along(:, :)
 
         integer :: i, j, k
         logical :: turns
@@ -346,7 +346,7 @@ contains
         !> K [mm/N], shape (n, n)
         real(wp), contiguous, intent(inout) :: matrix(:, :)
         !> As in add_cells
-        real(wp), intent(in), optional :: along(:, :)
+        real(wp), contiguous, intent(in), optional :: along(:, :)
 
         integer :: i, j, k
         real(wp) :: width, added, image
