@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.analysis import error_rules
 from flankload.analysis.error_rules import (
     ROOT_STRESS,
     STRIPS,
@@ -36,6 +37,7 @@ from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.flank_pair.stages import contact_of
 from flankload.report.findings import findings_of
+from flankload.scene import steps
 from flankload.scene.discretization import DEFAULT, Discretization, Grid
 from flankload.studies.settings import estimated_error
 from tests.support.finer_solutions import compared
@@ -405,3 +407,12 @@ PAIR = {
     "pair": {"center_distance_mm": 91.5, "face_width_mm": 14},
     "load": {"torque_Nm": 302},
 }
+
+
+def test_rules_have_the_orders_and_the_reductions_of_the_parameters() -> None:
+    assert -steps.STEPS[steps.MODES].order == error_rules.MODES_ORDER
+    assert error_rules.OMITTED_MODES == steps.REDUCED_MODES
+    of_cells = error_rules.Rule.of_order(
+        1.0 / steps.REDUCED_CELLS, -steps.STEPS[steps.STRIPS].order
+    )
+    assert of_cells == error_rules.STRIPS

@@ -614,10 +614,10 @@ def test_peak_to_peak_within_the_tolerance_needs_no_words(met: fl.Result) -> Non
 
 def test_lines_of_a_miss_name_source_and_reason(tight: fl.Result) -> None:
     found = said(tight)
-    first, knobs, tightened, *missed = accuracy_lines(found)
+    first, values, tightened, *missed = accuracy_lines(found)
     assert first.startswith(f"{percent(TIGHT)}: not met, transmission error mean ")
-    assert knobs.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
-    assert " (modes 0." in knobs
+    assert values.startswith(f"flank_element_mm {found['knobs']['flank_element_mm']['value']:g} (")
+    assert " (modes 0." in values
     assert tightened.startswith("refined: flank_element_mm ")
     assert missed
     for line, one in zip(missed, found["missed"], strict=True):

@@ -113,9 +113,9 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     if job.rim:  # its response is part of larger arrays
         return named
     counted = _without_unasked(found, job, pair.effects)
-    rubs = asks_tangential(pair.effects) is not None
+    friction = asks_tangential(pair.effects) is not None
     along = pair.effects.friction and pair.effects.finite_influence
-    held = columns.bytes(body.mesh, counted, along=along, rubs=rubs)
+    held = columns.bytes(body.mesh, counted, along=along, friction=friction)
     points = 0 if fillets is None else held_bytes(fillets.points)
     return named | {"bytes": held + points}
 
@@ -190,7 +190,12 @@ class _Columns:
         return found
 
     def bytes(
-        self, mesh: SectorMesh | WholeMesh, counted: Mapping[str, int], *, along: bool, rubs: bool
+        self,
+        mesh: SectorMesh | WholeMesh,
+        counted: Mapping[str, int],
+        *,
+        along: bool,
+        friction: bool,
     ) -> int:
         """Bytes of the compliance of a body, with tangential loads that are held if counted.
 
@@ -204,7 +209,7 @@ class _Columns:
         both = normal + tangential
         own = normal * both + along * tangential**2
         recovered = self.places * self.extent.axial.count
-        own += recovered * (both if rubs else normal) * (1 + self.coast)
+        own += recovered * (both if friction else normal) * (1 + self.coast)
         return WORD * blocks * (own + 3 * self.coast * normal * both)
 
 
