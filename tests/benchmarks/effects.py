@@ -56,7 +56,7 @@ ON: dict[str, dict[str, Any]] = {
     },
     "flank_modifications": {"body_1": {"tip_radius_mm": 0.3}},
     "pitch_errors": {"body_1": {"pitch_errors_um": [0, 3] * 8}, "positions": {"pitches": 2}},
-    "thermal_growth": {"effects": {"temperature_rise_K": 50.0, "support_expansion_per_K": 0.0}},
+    "thermal_growth": {"effects": {"temperature_rise_K": 10.0, "support_expansion_per_K": 0.0}},
     "several_torques": {"load": {"torque_Nm": [200, 302]}},
 }
 OFF: dict[str, dict[str, Any]] = {
@@ -75,10 +75,10 @@ TOGETHER = (
 ROOMY = ("pair_site", "pair_table")
 ROOM = 4
 #: Procedures that lead a position, and what they call in its stages.
-LEADING = ("solve_position", "solve_load", "solve_pairs", "solve_matrix", "solve_lumped")
+LEADING = ("solve_cases", "solve_loads", "solve_pairs", "solve_matrix", "solve_lumped")
 STAGES = {
-    "zones": ("locate_contacts",),
-    "lumped": ("estimate_forces",),
+    "zones": ("locate",),
+    "known": ("solve_known",),
     "pairs": ("lay_pairs", "measure_reach", "append_place", "reach_of"),
     "influence": ("pair_influences",),
     "loop": ("solve_contact_problem", "solve_pass"),
