@@ -18,3 +18,8 @@ def number_of(text: str) -> float:
 def percent(part: float) -> str:
     """Percentage with two digits, without an exponent; a part that is rounding is 0 %."""
     return f"{float(f'{100 * part:.2g}') if abs(part) > TIE else 0:g} %"
+
+
+def error_of(value: float, part: float, unit: str) -> str:
+    """Relative error `part` as a percentage; in the unit of the value if it exceeds the value."""
+    return percent(part) if part <= 1.0 else f"{float(f'{part * abs(value):.2g}'):g} {unit}"

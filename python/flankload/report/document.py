@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import flankload
 from flankload.base.arguments import require, require_path
 from flankload.base.files import write_atomically
+from flankload.base.number_text import error_of
 from flankload.errors import FlankloadError, SceneError
 from flankload.mechanisms.registry import mechanism_of
 from flankload.report.findings import certificate_rows, findings_of, source_rows
@@ -137,6 +138,7 @@ def _template() -> Any:
     )
     environment.filters["symbol"] = _symbol
     environment.filters["percent"] = percent
+    environment.filters["error_of"] = error_of
     return environment.get_template("page.html")
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from flankload.base.number_text import percent
+from flankload.base.number_text import error_of, percent
 from flankload.base.rounding import TIE
 from flankload.base.text_table import MARK, NONE, text_table
 from flankload.contact.status import Status
@@ -139,7 +139,11 @@ def _transmission_error_lines(result: Result) -> Iterator[Line]:
     if result.torque_Nm > 0 and abs(by_load - mean) > LEAST_UNLOADED * abs(mean):
         beyond = f" ({by_load:.3f} um beyond the state without load)"
     text = f"mean {mean:.3f} um{beyond}, "
-    text += f"peak to peak {summary['transmission_error_peak_to_peak_um']:.3f} um"
+    swing = summary["transmission_error_peak_to_peak_um"]
+    text += f"peak to peak {swing:.3f} um"
+    part = (result.estimate or {}).get("transmission_error_peak_to_peak", 0.0)
+    if part > 1.0:
+        text += f" +- {error_of(swing, part, 'um')}"
     if result.position_rad.size == 1:
         text = f"{mean:.3f} um at one position{beyond}"
     harmonics = summary["transmission_error_mesh_harmonics_um"]

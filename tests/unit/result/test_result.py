@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flankload.base.number_text import error_of
 from flankload.result import Result, results_to_csv, results_to_json, results_to_text
 from flankload.result.corners import off_corners
 from flankload.result.notes import warning_lines
@@ -362,6 +363,13 @@ def test_one_position_has_neither_mean_nor_peak_to_peak() -> None:
     assert "transmission error 0.2 %" in text
     assert "peak to peak" not in text
     assert "mean 0.1" not in text
+
+
+def test_an_error_above_its_value_is_in_its_unit() -> None:
+    result = small_result(estimate={"transmission_error_peak_to_peak": 1.5})
+    swing = result.summary["transmission_error_peak_to_peak_um"]
+    assert f"peak to peak {swing:.3f} um +- {error_of(swing, 1.5, 'um')}" in result.table()
+    assert [error_of(0.02, part, "µm") for part in (1.0, 1.5)] == ["100 %", "0.03 µm"]
 
 
 def test_rounding_is_no_error_and_has_no_source() -> None:
