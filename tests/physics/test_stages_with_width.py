@@ -252,6 +252,20 @@ def test_each_mesh_has_an_estimate():
     assert "meshes" not in rough[1].estimate
 
 
+def test_positions_of_a_stage_have_an_error():
+    """It covers the change of mean and peak to peak by eight times as many positions."""
+    one = wide(accuracy={"estimate": True})
+    assert "positions" not in solve(fl.Scene.from_dict(one)).estimate["by_source"]
+    few, many = (
+        solve(fl.Scene.from_dict(one | {"positions": {"count": count}})) for count in (4, 32)
+    )
+    errors = few.estimate["by_source"]["positions"]
+    for name in ("transmission_error_mean", "transmission_error_peak_to_peak"):
+        one, two = (result.summary[f"{name}_um"] for result in (few, many))
+        assert 0.0 < abs(two / one - 1.0) < errors[name]
+    assert "face_load_factor" in few.mesh(1, "sun").estimate["by_source"]["positions"]
+
+
 def test_a_sun_that_tilts():
     """Planets in turn load it unevenly; a stiff spring holds it."""
     rigid = stage(stage={"floating": "none"})

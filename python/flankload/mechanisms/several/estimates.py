@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.analysis.deciding_positions import deciding_positions, n_deciding
-from flankload.analysis.estimate import estimate_errors
+from flankload.analysis.estimate import OF_WIDTH, estimate_errors
 from flankload.analysis.lumped_error import error_beside_cells
+from flankload.analysis.more_positions import beside_more_positions, more_positions
 from flankload.contact.meshes_contact import sweep_meshes
 from flankload.contact.sweep import join_sweeps
 from flankload.errors import ContactError
@@ -62,7 +63,7 @@ def error_estimates(
     whole = tuple(one.whole for one in states.found)
     most = n_deciding(plane=plane, meshes=len(assembly.slices))
     at = deciding_positions(whole[-1], most)
-    cells = _BesideCells(assembly, states, contact, at)
+    cells, positions = _BesideCells(assembly, states, contact, at), _BesideMore(assembly, states)
     reduced: dict[int, tuple[MeshesSweep, ...]] = {}
     with clock.stage("estimate") as account:
 
@@ -87,10 +88,13 @@ def error_estimates(
             variants=variants,
             at=at,
             lumped=cells.errors if lumped else None,
+            sources={} if plane else {"positions": positions.errors},
         )
         found: list[dict[str, object]] = [one.as_dict() for one in estimated]
         if not plane:
-            for t, of_meshes in enumerate(_of_meshes(assembly, states, variants, reduced, cells)):
+            for t, of_meshes in enumerate(
+                _of_meshes(assembly, states, variants, reduced, cells, positions)
+            ):
                 found[t][OF_MESHES] = of_meshes
     account_errors_of_elements(clock, assembly.names, compliances)
     return list(found)
@@ -102,6 +106,7 @@ def _of_meshes(
     variants: Variants,
     reduced: Mapping[int, Sequence[MeshesSweep]],
     cells: _BesideCells,
+    positions: _BesideMore,
 ) -> list[tuple[Mapping[str, object], ...]]:
     """Estimates of the meshes under each torque; empty without torque."""
     contact, weights = states.contact, weights_of(assembly, cells.at)
@@ -118,6 +123,7 @@ def _of_meshes(
             variants=variants,
             at=cells.at,
             lumped=partial(cells.of_mesh, m, loaded) if contact.level == "lumped" else None,
+            sources={"positions": partial(positions.errors, m=m)},
         )
         for t, one in zip(loaded, estimated, strict=True):
             found[t] = (*found[t], one.as_dict())
@@ -180,6 +186,44 @@ class _BesideCells:
         return error_beside_cells(
             join_sweeps([one], self.at), lumped, cells, weights_of(self.assembly, self.at)
         )
+
+
+@dataclass(frozen=True, eq=False)
+class _BesideMore:
+    """Errors of positions over the width, by lumped contacts at four times as many."""
+
+    assembly: AnyAssembly
+    states: MeshesStates
+
+    @cached_property
+    def found(self) -> tuple[MeshesSweep, ...] | None:
+        """The states at more positions; None without even ones or without a state at one."""
+        if not self.assembly.closed:
+            return None
+        with suppress(ContactError):
+            # a separate account, as for the cells
+            return sweep_meshes(
+                replace(self.states.contact, level="lumped"),
+                more_positions(self.assembly.position_rad, self.assembly.period_rad),
+                [one.whole.torque_Nmm for one in self.states.found],
+                keep_pairs=False,
+            )
+        return None
+
+    def errors(self, part: Sweep, m: int | None = None) -> dict[str, RemainingError]:
+        """Those of a sweep of the states, of the whole drive or of a mesh."""
+        if self.found is None:
+            return {}
+        pairs = zip(self.states.found, self.found, strict=True)
+        own, many = zip(
+            *((a.whole, b.whole) if m is None else (a.meshes[m], b.meshes[m]) for a, b in pairs),
+            strict=True,
+        )
+        t = next(t for t, one in enumerate(own) if one is part)
+        errors = beside_more_positions(many[t], {})
+        # the line loads of a whole drive are those of its meshes; states without torque are unknown
+        left = {"stiffness_secant", *(OF_WIDTH if m is None else ())}
+        return {name: error for name, error in errors.items() if name not in left}
 
 
 def weights_of(assembly: AnyAssembly, at: Numbers | slice = slice(None)) -> Floats:
