@@ -101,6 +101,8 @@ ON_TIPS = "contact on a rounding or a chamfer, where the pressure converges slow
 #: Reasons why a pressure has no estimate (the first: `resolved_peaks`).
 BESIDE_ENDS = "beside the end of a flank or on its tip, where pressure modes do not resolve it"
 COMPARED_ON_CORNERS = "on a sharp corner in the runs that it is compared with"
+#: Reason for largest line loads of adaptive positions, which are placed by the rotation.
+BETWEEN = "peaks between adaptive positions have no estimate (positions.count has one)"
 #: Reason for quantities without the error of a source.
 MISSING = "states of the comparison do not converge: {}"
 #: Largest number of sweeps of an estimate.
@@ -179,12 +181,17 @@ class Estimate:
             name = "transmission_error_peak_to_peak"
             both = float(np.hypot(self.errors[name], positions.peak_to_peak))
             doubt = self.by_source.get("positions", {}) | doubt
-            all_of = Estimate({**self.errors, name: both}, {**self.by_source, "positions": doubt})
+            peaks = [key for key in (PEAK_LINE, FACE_LOAD, LINE_FACTOR) if key in self.errors]
+            all_of = Estimate(
+                {**self.errors, name: both},
+                {**self.by_source, "positions": doubt},
+                {**self.uncertain, **dict.fromkeys(peaks, BETWEEN)},
+            )
         return {
             **all_of.errors,
             "dominant_source": all_of.dominant_source,
             "by_source": {name: dict(errors) for name, errors in all_of.by_source.items()},
-            **({"uncertain": dict(self.uncertain)} if self.uncertain else {}),
+            **({"uncertain": dict(all_of.uncertain)} if all_of.uncertain else {}),
         }
 
 

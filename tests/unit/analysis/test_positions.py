@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import flankload as fl
+from flankload.analysis.adaptive_positions import PositionErrors
+from flankload.analysis.estimate import BETWEEN, ON_CORNERS, Estimate
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.pairing.pairing import period_of
 from flankload.result.harmonics import over_positions
@@ -399,3 +401,12 @@ def test_window_beyond_all_memory_is_refused() -> None:
         build_bodies(few_teeth(positions={"count": 8, "pitches": 10000}))
     assert caught.value.key == "positions.pitches"
     assert caught.value.found == "10000 pitches of 8 positions"
+
+
+def test_adaptive_positions_say_what_they_do_not_bound() -> None:
+    """Regression: largest line loads had no error between them, silently."""
+    errors = {"transmission_error_peak_to_peak": 0.03, "peak_line_load": 0.01}
+    estimate = Estimate(errors, {"slices": errors}, {"peak_pressure": ON_CORNERS})
+    found = estimate.as_dict(positions=PositionErrors(harmonics=0.1, peak_to_peak=0.04))
+    assert found["transmission_error_peak_to_peak"] == pytest.approx(0.05, rel=ROUND_OFF)
+    assert found["uncertain"] == {"peak_pressure": ON_CORNERS, "peak_line_load": BETWEEN}
