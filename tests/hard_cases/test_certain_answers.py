@@ -11,7 +11,7 @@ import pytest
 import flankload as fl
 from tests.support import contact_fuzz
 from tests.support.contact_fuzz import METHODS, faults, fuzz_contact
-from tests.support.oracle import EPS, Problem, judge_general
+from tests.support.oracle import EPS, Problem, judge_problem
 from tests.support.random_problems import (
     KINDS,
     Trial,
@@ -33,14 +33,7 @@ def stored(name: str) -> Problem:
 def solve_and_judge(problem: Problem, method: str) -> fl.ContactState:
     """The state; its rows and its set of pairs hold in 60 digits."""
     state = contact_fuzz.solve(problem, method)
-    verdict = judge_general(
-        problem.compliance,
-        problem.gaps,
-        problem.motions,
-        problem.loads,
-        state,
-        load_rows=problem.load_rows,
-    )
+    verdict = judge_problem(problem, state)
     assert verdict.backward_error <= ROW_TOLERANCE
     assert verdict.exact_violation <= ROW_TOLERANCE
     return state

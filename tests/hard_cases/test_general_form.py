@@ -13,7 +13,7 @@ from flankload import errors
 from tests.support import oracle
 from tests.support.contact_fuzz import solve
 from tests.support.general_like import general_like
-from tests.support.oracle import EPS, Problem, judge_general
+from tests.support.oracle import EPS, Problem, judge_problem
 from tests.support.tolerances import ROUND_OFF, SOLVER
 
 METHODS = ("auto", "single", "block", "load_path")
@@ -29,14 +29,7 @@ SCATTERED = (10, 22, 53, 136, 171, 242, 306, 431, 555, 579, 669, 706)
 
 def faults_of_state(problem: Problem, state: fl.ContactState) -> list[str]:
     """Errors of a state and its certificate by 60-digit arithmetic."""
-    verdict = judge_general(
-        problem.compliance,
-        problem.gaps,
-        problem.motions,
-        problem.loads,
-        state,
-        load_rows=problem.load_rows,
-    )
+    verdict = judge_problem(problem, state)
     forward = 20 * EPS * state.info.condition
     faults = {
         "a force or a gap is negative": state.normal_forces.min() < 0
@@ -230,14 +223,7 @@ def test_a_little_force_that_alone_holds_a_load(method: str, *, second_motion: b
     for seed in SECOND_MOTION if second_motion else range(30):
         problem = rollers_in_pockets(np.random.default_rng(seed), second_motion=second_motion)
         state = solve(problem, method)
-        verdict = judge_general(
-            problem.compliance,
-            problem.gaps,
-            problem.motions,
-            problem.loads,
-            state,
-            load_rows=problem.load_rows,
-        )
+        verdict = judge_problem(problem, state)
         assert verdict.exact_violation <= 10 * EPS
         assert verdict.backward_error <= SOLVER
 

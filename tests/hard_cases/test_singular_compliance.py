@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import flankload as fl
-from tests.support.oracle import EPS, Problem, judge_general
+from tests.support.oracle import EPS, Problem, judge_problem
 
 METHODS = ("auto", "single", "block", "load_path")
 KINDS = ("springs", "indefinite", "unsymmetric")
@@ -29,14 +29,7 @@ def solve(problem: Problem, method: str) -> fl.ContactState:
         load_rows=problem.load_rows,
         method=method,
     )
-    verdict = judge_general(
-        problem.compliance,
-        problem.gaps,
-        problem.motions,
-        problem.loads,
-        state,
-        load_rows=problem.load_rows,
-    )
+    verdict = judge_problem(problem, state)
     assert verdict.backward_error <= 10 * EPS
     assert verdict.exact_violation <= 10 * EPS
     assert state.info.backward_error <= 10 * EPS

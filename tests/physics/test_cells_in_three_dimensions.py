@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import cache
 from typing import Any
 
@@ -29,6 +28,7 @@ from tests.support.three_dimensional import (
     OTHER_HANDS,
     SMALL,
     deviation,
+    solved,
     tree_of,
 )
 from tests.support.tolerances import SOLVER
@@ -45,17 +45,9 @@ SHAFT = {
 }
 
 
-@cache
-def _solved(text: str) -> fl.Result | tuple[fl.Result, ...]:
-    return solve_scene(fl.Scene.from_dict(json.loads(text)))
-
-
 def solve(name: str, *, contact: str = "pairs", **changes: Any) -> fl.Result:
     """The small pair with cells; a scene is solved once."""
-    keys = {**SMALL, "effects__contact": contact, **changes}
-    found = _solved(json.dumps(tree_of(name, keys), sort_keys=True))
-    assert isinstance(found, fl.Result)
-    return found
+    return solved(name, {"effects__contact": contact, **changes})
 
 
 # --- Hertz ----------------------------------------------------------------------------------------

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,13 +13,13 @@ from flankload.elasticity.compliance import BodyCompliance
 from flankload.elasticity.near_field import mode_loads
 from flankload.mechanisms.elements import compliance_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from tests.support.solving import solve as solve_scene
 from tests.support.three_dimensional import (
     HELICAL,
     MIRRORED,
     OTHER_HANDS,
     SMALL,
     deviation,
+    solved,
     tree_of,
 )
 from tests.support.tolerances import SOLVER
@@ -39,17 +37,10 @@ SHAFT = {
 }
 
 
-@cache
-def _solved(text: str) -> fl.Result:
-    found = solve_scene(fl.Scene.from_dict(json.loads(text)))
-    assert isinstance(found, fl.Result)
-    return found
-
-
 def solve(name: str, mu: Any = 0.2, **changes: Any) -> fl.Result:
     """The small pair in three dimensions with friction; a scene is solved once."""
-    keys = {**SMALL, "effects__dimension": 3, "effects__friction_coefficient": mu, **changes}
-    return _solved(json.dumps(tree_of(name, keys), sort_keys=True))
+    keys = {"effects__dimension": 3, "effects__friction_coefficient": mu, **changes}
+    return solved(name, keys)
 
 
 def forces(result: fl.Result, p: int) -> tuple[np.ndarray, np.ndarray]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,8 +10,7 @@ import pytest
 import flankload as fl
 from flankload.elasticity.prism.flank_surface import edge_angles
 from flankload.mechanisms.flank_pair.assembly import build_bodies
-from tests.support.solving import solve as solve_scene
-from tests.support.three_dimensional import MIRRORED, SMALL, deviation, tree_of
+from tests.support.three_dimensional import MIRRORED, deviation, solved, tree_of
 from tests.support.tolerances import SOLVER
 
 SPUR, HELICAL = "internal_gear", "internal_helical"
@@ -29,17 +26,9 @@ RIGID = {"body_1__rigid": True}
 TEETH, TORQUE_NMM = (24, 60), 450e3
 
 
-@cache
-def _solved(text: str) -> fl.Result:
-    found = solve_scene(fl.Scene.from_dict(json.loads(text)))
-    assert isinstance(found, fl.Result)
-    return found
-
-
 def solve(name: str, **changes: Any) -> fl.Result:
     """A small pair; a scene is solved once."""
-    small = {**SMALL, "positions__count": 2}
-    return _solved(json.dumps(tree_of(name, {**small, **changes}), sort_keys=True))
+    return solved(name, {"positions__count": 2, **changes})
 
 
 def spur(**changes: Any) -> fl.Result:

@@ -26,6 +26,7 @@ from tests.support.three_dimensional import (
     OTHER_HANDS,
     SMALL,
     deviation,
+    solved,
     tree_of,
 )
 from tests.support.tolerances import ROUND_OFF, SOLVER
@@ -33,16 +34,9 @@ from tests.support.tolerances import ROUND_OFF, SOLVER
 SPUR = "external_gear"
 
 
-@cache
-def _solved(text: str) -> fl.Result | tuple[fl.Result, ...]:
-    return solve_scene(fl.Scene.from_dict(json.loads(text)))
-
-
 def solve(name: str, **changes: Any) -> fl.Result:
     """The small pair; a scene is solved once."""
-    found = _solved(json.dumps(tree_of(name, {**SMALL, **changes}), sort_keys=True))
-    assert isinstance(found, fl.Result)
-    return found
+    return solved(name, changes)
 
 
 def spur(**changes: Any) -> fl.Result:

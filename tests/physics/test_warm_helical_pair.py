@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -28,6 +26,7 @@ from tests.support.three_dimensional import (
     OTHER_HANDS,
     SMALL,
     deviation,
+    solved,
     tree_of,
 )
 from tests.support.tolerances import ROUND_OFF, SOLVER
@@ -42,16 +41,8 @@ WEBBED = {
 BASE_HELIX = np.arcsin(np.sin(np.radians(15.0)) * np.cos(np.radians(20.0)))
 
 
-@cache
-def _solved(text: str) -> fl.Result:
-    found = solve_scene(fl.Scene.from_dict(json.loads(text)))
-    assert isinstance(found, fl.Result)
-    return found
-
-
 def solve(**changes: Any) -> fl.Result:
-    keys = {**SMALL, "body_1__lead_crowning_um": None, **changes}
-    return _solved(json.dumps(tree_of(HELICAL, keys), sort_keys=True))
+    return solved(HELICAL, {"body_1__lead_crowning_um": None, **changes})
 
 
 def test_a_pair_that_grows_as_a_whole_is_as_it_was() -> None:

@@ -65,6 +65,18 @@ def judge(
     return judge_general(matrix, gaps, np.ones(len(matrix)), torque, state, load_rows=row)
 
 
+def judge_problem(problem: Problem, state: fl.ContactState) -> Verdict:
+    """Check a state of a problem."""
+    return judge_general(
+        problem.compliance,
+        problem.gaps,
+        problem.motions,
+        problem.loads,
+        state,
+        load_rows=problem.load_rows,
+    )
+
+
 def judge_general(
     compliance: ArrayLike,
     gaps: ArrayLike,

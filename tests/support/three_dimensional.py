@@ -10,6 +10,7 @@ import numpy as np
 
 import flankload as fl
 from tests.support.gear_scenes import example
+from tests.support.solving import solve
 
 #: Bodies of coarse elements, for properties that do not depend on these.
 SMALL: dict[str, Any] = {
@@ -38,6 +39,18 @@ def tree_of(name: str, changes: dict[str, Any]) -> dict[str, Any]:
         else:
             keys[key] = value
     return tree
+
+
+@cache
+def _solved_text(text: str) -> fl.Result:
+    found = solve(fl.Scene.from_dict(json.loads(text)))
+    assert isinstance(found, fl.Result)
+    return found
+
+
+def solved(name: str, changes: dict[str, Any]) -> fl.Result:
+    """The small example with keys changed; a scene is solved once."""
+    return _solved_text(json.dumps(tree_of(name, {**SMALL, **changes}), sort_keys=True))
 
 
 def deviation(one: Any, two: Any) -> float:
