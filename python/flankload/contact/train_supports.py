@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.contact.meshes import Motion
-from flankload.contact.meshes_contact import MeshesContact
 from flankload.pairing.train import TrainPairing
 
 if TYPE_CHECKING:
@@ -97,9 +96,6 @@ class TrainSupports:
         motions = self.motions(pairing)
         halves = len(motions) if pairing.is_double_helical else 1
         return np.outer(torques_Nmm, np.arange(len(motions)) < halves) / halves
-
-
-TrainContact = MeshesContact[TrainPairing, TrainSupports]
 
 
 @dataclass(frozen=True)

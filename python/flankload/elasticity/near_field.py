@@ -96,11 +96,7 @@ def mode_values(
 
 
 def to_coefficients(
-    moments: Floats,
-    mode_range_mm: tuple[float, float],
-    *,
-    closed: bool = False,
-    tip: Tip | None = None,
+    moments: Floats, mode_range_mm: tuple[float, float], *, tip: Tip | None = None
 ) -> Floats:
     """Mode coefficients (n_modes, …) of functions from their integrals with the modes.
 
@@ -108,7 +104,7 @@ def to_coefficients(
     """
     n_modes = len(moments)
     if tip is None:
-        norms = mode_norms(mode_range_mm, n_modes, closed=closed)
+        norms = mode_norms(mode_range_mm, n_modes)
         return np.asarray(moments / norms.reshape(-1, *[1] * (moments.ndim - 1)))
     products = mode_products(mode_range_mm, n_modes, tip)
     found = np.linalg.solve(products, moments.reshape(n_modes, -1))

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 #: Columns and rows of a map.
 MAP = (160, 80)
-#: Mesh orders of a spectrum.
-ORDERS = 5
 
 
 def curves_of(result: Result) -> dict[str, Columns]:

@@ -14,22 +14,17 @@ from flankload.flank.spline import interpolating_spline
 NEAR, MOST_STEPS = 1e-12, 50
 
 
-def curve_through_nodes(
-    points: ArrayLike, *, label: str = "flank", corner_at_end: bool = True
-) -> FlankCurve:
+def curve_through_nodes(points: ArrayLike) -> FlankCurve:
     """Smooth curve through the nodes of a mesh flank.
 
     Quintic spline over the chord length (not-a-knot ends) through all points, including mid-side
-    nodes (cubic for fewer than 6 points), refitted as a function of arc length.
+    nodes (cubic for fewer than 6 points), refitted as a function of arc length. It ends in a sharp
+    corner.
 
     Parameters
     ----------
     points : (m, 2) array_like
         Nodes in order from root to tip, at least 4, mm.
-    label : str
-        Label of the curve.
-    corner_at_end : bool
-        The curve ends in a sharp corner.
 
     Returns
     -------
@@ -41,8 +36,8 @@ def curve_through_nodes(
         If there are fewer than 4 points, or two neighbours coincide.
     """
     place, knots = _spline(_checked_nodes(points))
-    piece = CurvePiece(label, place, float(knots[0]), float(knots[-1]), knots=knots[1:-1])
-    return fit_flank_curve([piece], corner_at_end=corner_at_end)
+    piece = CurvePiece("flank", place, float(knots[0]), float(knots[-1]), knots=knots[1:-1])
+    return fit_flank_curve([piece], corner_at_end=True)
 
 
 def nodes_deviation(points: ArrayLike) -> float:

@@ -98,7 +98,6 @@ def test_helices_of_gears_and_meshes_have_one_lead_per_tooth() -> None:
         assert effects_of(scene).three_dimensions
 
 
-SINCE = "since body_1.lead_crowning_um requires three dimensions"
 CROWNED = {"body_1__lead_crowning_um": 5}
 
 
