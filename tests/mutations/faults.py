@@ -844,7 +844,7 @@ _PYTHON = (
         "result/root_stress.py",
         "unit/elasticity/test_root_fillet.py physics/test_root_stress.py",
         ("v_1 + 0.5 * slope * shift", "v_1 + slope * shift"),
-        ("forces = [-table.force_N]", "forces = [-0.99 * table.force_N]"),
+        ("forces = [-force]", "forces = [-0.99 * force]"),
     ),
     *_in(
         "result/root_stress.py",

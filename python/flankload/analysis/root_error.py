@@ -26,7 +26,7 @@ from flankload.analysis.error_rules import (
     load_shares,
     of_largest,
 )
-from flankload.result.root_stress import root_reading, root_stress
+from flankload.result.root_stress import largest_tension, root_reading, stress_by_slice
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -67,6 +67,7 @@ def root_tension(
     """The tension under the forces of a table per position; None if the scene asks for none."""
     if all(each.root is None for each in compliances):
         return None
+    tables = tuple(tables)
     whole = _tension(pair, compliances, tables)
     largest = whole.max(axis=(1, 2), keepdims=True)
     largest = np.where(largest > 0, largest, 1.0)
@@ -98,7 +99,8 @@ def _tension(pair: BodyPair, compliances: Bodies, tables: Sequence[PairTable]) -
     for z in (0, 1):
         reading = root_reading(pair, compliances, z, np.arange(sites.size))
         if reading is not None:
-            found[z] = root_stress(reading, tables, sites, z).tension.stress_MPa
+            stress = stress_by_slice(reading, tables, sites, z)
+            found[z] = largest_tension(reading.points, stress).max(axis=2)
     return np.maximum(found, 0.0)
 
 

@@ -16,7 +16,7 @@ of each slice.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 #: Gauss points along the profile of the cell of a slice.
 CELL_POINTS = 4
+#: Positions whose pairs are expanded at once, which limits the memory for cells in slices.
+AT_ONCE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,23 +210,17 @@ def root_reading(
 def root_stress(
     reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int
 ) -> RootStress:
-    """Stress of body z + 1 under the forces of a table per position; sites (S,): pair numbers."""
-    loads = np.array([_mode_loads(reading, table, sites, z) for table in tables])
-    over_width = reading.over_width
-    # normalise the sign of zero
-    if over_width is None:
-        stress = np.einsum("ijqa,pja->piq", reading.response, loads) + 0.0
-        by_slice, z_mm = stress[:, :, None], None
-    else:
-        by_function = np.einsum("ijqka,pja->pikq", reading.response, loads)
-        degree, z_mm = by_function.shape[2] - 1, over_width.z_mm
-        values = AxialBasis(over_width.range_mm, degree).values(z_mm)
-        stress = by_slice = np.einsum("jk,pikq->pijq", values, by_function) + 0.0
+    """Stress of body z + 1 under the forces of a table per position.
+
+    `sites` (S,): numbers of flank pairs, all loaded ones among them.
+    """
+    by_slice, over_width = stress_by_slice(reading, tables, sites, z), reading.over_width
+    z_mm = None if over_width is None else over_width.z_mm
     points = reading.points
     largest, least = (_extremes(points, by_slice, sign) for sign in (1.0, -1.0))
     return RootStress(
         points=points,
-        stress_MPa=stress,
+        stress_MPa=by_slice[:, :, 0] if over_width is None else by_slice,
         tension=_over_slices(largest, 1.0, z_mm),
         compression=_over_slices(least, -1.0, z_mm),
         slice_tension_MPa=largest.stress_MPa,
@@ -232,20 +228,46 @@ def root_stress(
     )
 
 
-def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) -> Floats:
-    """Loads c (S, p) of the modes at one position, MPa: out of the material, then along it.
+def stress_by_slice(
+    reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int
+) -> Floats:
+    """Stress (P, S, J, q) as in `root_stress`; J = 1 in a plane scene."""
+    loads = np.concatenate(
+        [
+            _mode_loads(reading, tables[first : first + AT_ONCE], sites, z)
+            for first in range(0, len(tables), AT_ONCE)
+        ]
+    )
+    # normalise the sign of zero
+    if reading.over_width is None:
+        return np.asarray(np.einsum("ijqa,pja->piq", reading.response, loads)[:, :, None] + 0.0)
+    by_function = np.einsum("ijqka,pja->pikq", reading.response, loads)
+    basis = AxialBasis(reading.over_width.range_mm, by_function.shape[2] - 1)
+    values = basis.values(reading.over_width.z_mm)
+    return np.asarray(np.einsum("jk,pikq->pijq", values, by_function) + 0.0)
+
+
+def _mode_loads(
+    reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int
+) -> Floats:
+    """Loads c (P, S, p) of the modes, MPa: out of the material, then along it.
 
     In three dimensions the forces times the values of the modes, N.
     """
+    loaded = [table.force_N > 0 for table in tables]
+
+    def column(name: str) -> Any:
+        parts = [getattr(table, name)[own] for table, own in zip(tables, loaded, strict=True)]
+        return np.concatenate(parts)
+
     span, tip = reading.mode_range_mm, reading.tip
-    places = (table.arc_length_1_mm, table.arc_length_2_mm)[z]
+    places, force = column(f"arc_length_{z + 1}_mm"), column("force_N")
     if reading.over_width is not None:
-        assert table.z_mm is not None
         if reading.spread is None:
-            at = places, table.cell_mm, table.z_mm
+            at = places, column("cell_mm"), column("z_mm")
             values = modes_on_slices(at, span, tip, reading.n_modes, reading.over_width)
         else:
-            along = reading.over_width.modes_at(table.z_mm)
+            along = reading.over_width.modes_at(column("z_mm"))
             values = np.einsum("a,nb->nab", reading.spread, along).reshape(len(along), -1)
     elif reading.nodes is not None:
         values = linear_shapes(places, reading.nodes) / reading.face_width_mm
@@ -256,16 +278,14 @@ def _mode_loads(reading: RootReading, table: PairTable, sites: Numbers, z: int) 
         values = to_coefficients(values.T, span, tip=tip).T / reading.face_width_mm
     # contact pushes into the material; where flanks touch, arc length grows to opposite sides, and
     # so do the forces along them
-    forces = [-table.force_N]
+    forces = [-force]
     if reading.response.shape[-1] > values.shape[1]:
-        assert table.friction_force_N is not None
-        forces.append(table.friction_force_N)
-    weighted = np.hstack([values * force[:, None] for force in forces])
-    loads = np.zeros((sites.size, reading.response.shape[-1]))
-    loaded = table.force_N > 0
-    for site in np.unique(table.site[loaded]).tolist():
-        own = loaded & (table.site == site)
-        loads[sites == site] = weighted[own].sum(axis=0)
+        forces.append(column("friction_force_N"))
+    weighted = np.hstack([values * each[:, None] for each in forces])
+    position = np.repeat(np.arange(len(tables)), [int(own.sum()) for own in loaded])
+    loads = np.zeros((len(tables), sites.size, reading.response.shape[-1]))
+    at = (column("site")[:, None] == sites).argmax(axis=1)
+    np.add.at(loads, (position, at), weighted)
     return loads
 
 
@@ -294,8 +314,7 @@ def modes_on_slices(
 
 def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
     """Largest of sign * stress over both sides."""
-    sides = [np.flatnonzero(points.working), np.flatnonzero(~points.working)]
-    peaks = [_peak(points.arc_length_mm[side], sign * stress[..., side]) for side in sides]
+    sides, peaks = _peaks_of_sides(points, sign * stress)
     working = peaks[0][0] >= peaks[1][0]
     found, place = (np.where(working, *both) for both in zip(*peaks, strict=True))
     radius, slant = (
@@ -304,6 +323,20 @@ def _extremes(points: RootPoints, stress: Floats, sign: float) -> Extremes:
     )
     # normalise the sign of zero
     return Extremes(sign * found + 0.0, place, radius, np.degrees(slant), working)
+
+
+def largest_tension(points: RootPoints, stress: Floats) -> Floats:
+    """Largest stress between the points of the last axis, over both fillets."""
+    _, ((one, _), (two, _)) = _peaks_of_sides(points, stress)
+    return np.maximum(one, two)
+
+
+def _peaks_of_sides(
+    points: RootPoints, values: Floats
+) -> tuple[list[Numbers], list[tuple[Floats, Floats]]]:
+    """Points of both fillets, the working one first, and the maximum on each with its place."""
+    sides = [np.flatnonzero(points.working), np.flatnonzero(~points.working)]
+    return sides, [_peak(points.arc_length_mm[side], values[..., side]) for side in sides]
 
 
 def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
