@@ -18,6 +18,7 @@ import pytest
 import flankload as fl
 from flankload.cli import main
 from flankload.errors import NoContactState, SceneError
+from tests.support.command_line import run
 from tests.support.made_up_result import made_up_result
 from tests.support.paths import DOCS
 from tests.support.small_job import SCENE
@@ -57,16 +58,6 @@ def empty_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     import flankload.plot
 
     monkeypatch.setattr(flankload.plot, "file_of", lambda *_: b"")
-
-
-def run(capsys: pytest.CaptureFixture[str], *argv: str | Path) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command."""
-    try:
-        code = main([str(argument) for argument in argv])
-    except SystemExit as leaving:
-        code = int(leaving.code or 0)
-    out, err = capsys.readouterr()
-    return code, out, err
 
 
 def one_line(text: str) -> str:

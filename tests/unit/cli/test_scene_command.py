@@ -6,21 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from flankload.cli import main
 from flankload.scene import read_scene
+from tests.support.command_line import run
 from tests.support.paths import SCENES
 from tests.support.rexs_files import EXAMPLE, TEXT, spur, without, written
 from tests.support.solving import solve
-
-
-def run(capsys: pytest.CaptureFixture[str], *argv: str | Path) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of a command."""
-    try:
-        code = main([str(argument) for argument in argv])
-    except SystemExit as leaving:
-        code = int(leaving.code or 0)
-    out, err = capsys.readouterr()
-    return code, out, err
 
 
 def test_a_model_becomes_a_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

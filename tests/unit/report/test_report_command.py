@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from flankload.cli import main
 from flankload.report import document
+from tests.support.command_line import run
 from tests.support.made_up_result import made_up_result
 from tests.support.small_job import SCENE
 
@@ -24,15 +24,6 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path = tmp_path / "pair.toml"
     path.write_text(SCENE, encoding="utf-8")
     return path
-
-
-def run(capsys: pytest.CaptureFixture[str], *argv: str | Path) -> tuple[int, str, str]:
-    try:
-        code = main([str(argument) for argument in argv])
-    except SystemExit as leaving:
-        code = int(leaving.code or 0)
-    out, err = capsys.readouterr()
-    return code, out, err
 
 
 def test_page_is_written_and_named(
