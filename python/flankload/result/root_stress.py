@@ -355,10 +355,9 @@ def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Maximum along the last axis and its place, from the parabola around the largest value."""
     at = values.argmax(axis=-1)
     middle = np.clip(at, 1, s.size - 2)
-    s_0, s_1, s_2 = (s[middle + k] for k in (-1, 0, 1))
-    v_0, v_1, v_2 = (
-        np.take_along_axis(values, (middle + k)[..., None], axis=-1)[..., 0] for k in (-1, 0, 1)
-    )
+    three = middle[..., None] + [-1, 0, 1]
+    s_0, s_1, s_2 = np.moveaxis(s[three], -1, 0)
+    v_0, v_1, v_2 = np.moveaxis(np.take_along_axis(values, three, axis=-1), -1, 0)
     left, right = (v_1 - v_0) / (s_1 - s_0), (v_2 - v_1) / (s_2 - s_1)
     bend = (right - left) / (s_2 - s_0)
     # slope of the parabola at s_1; its vertex lies between the neighbours of the largest value
@@ -366,10 +365,8 @@ def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
     inside = (at == middle) & (bend < 0)
     shift = np.zeros_like(slope)
     np.divide(-slope, 2 * bend, out=shift, where=inside)
-    largest = np.take_along_axis(values, at[..., None], axis=-1)[..., 0]
-    return np.where(inside, v_1 + 0.5 * slope * shift, largest), np.where(
-        inside, s_1 + shift, s[at]
-    )
+    largest = np.where(inside, v_1 + 0.5 * slope * shift, values.max(axis=-1))
+    return largest, np.where(inside, s_1 + shift, s[at])
 
 
 def root_arrays(stress: RootStress, z: int) -> dict[str, tuple[Floats, str]]:
