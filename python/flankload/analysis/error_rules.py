@@ -106,8 +106,6 @@ LINE_LOADS = 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, shares=2.0)
-#: Doubt of the peak to peak, relative to the changes at the largest and the smallest rotation.
-EXTREMES = 0.35
 #: A half-ellipse of pressure with its middle on the edge of two cells appears lower by 0.5 % with
 #: five cells on its half-width. If a peak changes by more than twice that, half as many cells do
 #: not resolve some feature (a kink, a small rounding), and the whole change is in doubt.
@@ -275,8 +273,8 @@ def _of_peak_to_peak(rule: Rule, change: Floats, rotation: Floats) -> RemainingE
     whole = float(np.ptp(rotation))
     error = whole - float(np.ptp(rotation - rule.part * change))
     apart = np.abs(change - change.mean())
-    of_extremes = apart[rotation.argmax()] + apart[rotation.argmin()]
-    return RemainingError.relative(error, EXTREMES * rule.doubt * float(of_extremes), whole)
+    of_extremes = np.hypot(apart[rotation.argmax()], apart[rotation.argmin()])
+    return RemainingError.relative(error, rule.doubt * float(of_extremes), whole)
 
 
 def load_shares(part: Sweep) -> Floats:

@@ -53,6 +53,7 @@ from flankload.analysis.error_rules import (
     SLICES,
     STRIPS,
     RemainingError,
+    Rule,
     at_largest_peak,
     largest_peak,
     peak_of_cells,
@@ -265,11 +266,12 @@ def estimate_errors(
             errors["lumped"] = lumped(t, coarse[t])
         missing = ", ".join([*unknown, *(source for source in errors if not errors[source])])
         each = {source: other[t] for source, other in others.items()}
-        errors |= _of_compliances(part, coarse[t], each, compliances, weights)
+        of_modes = _rule_of_modes(part, compliances)
+        errors |= _of_compliances(part, coarse[t], each, of_modes, weights)
         errors |= {source: own for source, of in sources.items() if (own := of(whole))}
         tension = roots(part)
         if tension is not None:
-            add_root_errors(errors, part, tension)
+            add_root_errors(errors, part, tension, of_modes.doubt_pressure)
         if not largest_peak(part):  # all where pressures have no estimate
             for parts in errors.values():
                 parts.pop(PEAK_PRESSURE, None)
@@ -342,18 +344,10 @@ def _of_compliances(
     part: Sweep,
     coarse: Sweep,
     others: Mapping[str, Sweep],
-    compliances: tuple[BodyCompliance, ...],
+    of_modes: Rule,
     weights: Floats,
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
-    nodal = any(compliance.modes.nodes is not None for compliance in compliances)
-    closed = any(compliance.modes.closed for compliance in compliances)
-    of_modes = NODES if nodal else SERIES
-    if coarse.slices.plane and not nodal and not closed:
-        of_modes = rule_of_modes(
-            min((each.flank_modes for each in compliances if not each.is_rigid), default=0),
-            slow=_has_wide_contacts(part, compliances),
-        )
     rules = {"modes": of_modes, "elements": ELEMENTS, "slices": SLICES}
     errors = {
         source: remaining_errors(
@@ -365,11 +359,22 @@ def _of_compliances(
         )
         for source, other in others.items()
     }
-    if not nodal and coarse.slices.plane:
+    if of_modes is not NODES and coarse.slices.plane:
         errors["modes"]["peak_pressure"] = peak_of_modes(
             of_modes, part, coarse, others["modes"], errors["modes"]["load_share"]
         )
     return errors
+
+
+def _rule_of_modes(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> Rule:
+    if any(compliance.modes.nodes is not None for compliance in compliances):
+        return NODES
+    if not part.slices.plane or any(compliance.modes.closed for compliance in compliances):
+        return SERIES
+    return rule_of_modes(
+        min((each.flank_modes for each in compliances if not each.is_rigid), default=0),
+        slow=_has_wide_contacts(part, compliances),
+    )
 
 
 def _has_wide_contacts(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:

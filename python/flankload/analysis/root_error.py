@@ -21,7 +21,6 @@ import numpy as np
 from flankload.analysis.error_rules import (
     ELEMENTS,
     ROOT_STRESS,
-    SERIES,
     RemainingError,
     load_shares,
     of_largest,
@@ -38,9 +37,6 @@ if TYPE_CHECKING:
     from flankload.result.pairs import PairTable
 
     Bodies = tuple[BodyCompliance, BodyCompliance]
-
-#: Part of the effect of the two highest modes that the following ones add at most in the plane.
-FOLLOWING = 0.3
 
 
 class RootTension(NamedTuple):
@@ -105,9 +101,15 @@ def _tension(pair: BodyPair, compliances: Bodies, tables: Sequence[PairTable]) -
 
 
 def add_root_errors(
-    errors: Mapping[str, dict[str, RemainingError]], part: Sweep, roots: RootTension
+    errors: Mapping[str, dict[str, RemainingError]],
+    part: Sweep,
+    roots: RootTension,
+    following: float,
 ) -> None:
-    """Add the error of the largest tension to those of each source, by source and quantity."""
+    """Add the error of the largest tension to those of each source, by source and quantity.
+
+    `following`: part of the effect of the highest modes that the omitted ones add at most.
+    """
     share = load_shares(part)
     # a root whose own flank carries little has the stress of its neighbours: that of its own force
     # is at most as large per force as where the tension is largest
@@ -115,13 +117,14 @@ def add_root_errors(
     per_share = loaded / np.where(share > 0, share, 1.0)
     at = loaded.reshape(2, -1).argmax(axis=1)
     per_share = np.minimum(per_share, per_share.reshape(2, -1)[[0, 1], at][:, None, None])
-    following = FOLLOWING if part.slices.plane else SERIES.doubt_pressure
     for source, quantities in errors.items():
         of_share = quantities.get("load_share", RemainingError(0.0, 0.0))
+        error: Floats | float = 0.0
         own = following * roots.omitted.get(source, 0.0)
         if source == "elements":
-            own = (abs(ELEMENTS.part) + ELEMENTS.doubt) * roots.difference**2 * roots.tension
+            change = roots.difference**2 * roots.tension
+            error, own = ELEMENTS.part * change, ELEMENTS.doubt * change
         doubts = per_share * (np.abs(of_share.error) + of_share.doubt), own
-        each = RemainingError(0.0, np.hypot(*doubts))
+        each = RemainingError(error, np.hypot(*doubts))
         if np.any(each.doubt):
             quantities[ROOT_STRESS] = of_largest(each, roots.tension)
