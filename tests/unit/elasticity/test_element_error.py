@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
 from flankload.bodies.body import Material
-from flankload.elasticity.fe_error import compliance_error, recovered_strains
+from flankload.elasticity.fe_error import compliance_error, fillet_difference, recovered_strains
 from flankload.meshes.plane_mesh import raise_to_quadratic
 from tests.support.plane_stiffness import plane_stiffness
 from tests.support.tolerances import ROUND_OFF
@@ -178,3 +180,11 @@ def test_of_narrow_pressures_it_is_within_its_band(kind: str, half: float) -> No
     true = np.diag(fine - coarse) / np.diag(estimated)
     assert NARROW[0] < true.min()
     assert true.max() < NARROW[1]
+
+
+def test_difference_in_a_fillet_is_the_largest_one_over_the_largest_strain() -> None:
+    """Not that where the strain is largest: there, both may cross."""
+    own, recovered = np.array([1.0, 0.5]), np.array([[1.0, 0.0, 0.0], [0.6, 0.0, 0.0]])
+    on = SimpleNamespace(nodes=np.arange(2), shapes=np.eye(2), tangents=np.array([[1.0, 0.0]] * 2))
+    fillets: Any = SimpleNamespace(on_elements=on, columns=lambda *_: np.eye(2))
+    assert fillet_difference(fillets, own[:, None], recovered) == pytest.approx(0.1)
