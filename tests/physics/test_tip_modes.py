@@ -6,6 +6,7 @@ elements carry them as they are: neither modes nor a near field.
 
 from __future__ import annotations
 
+from functools import partial
 from operator import attrgetter
 from typing import Any
 from unittest import mock
@@ -33,6 +34,7 @@ from flankload.elasticity.near_field import (
 from flankload.scene import Gear, Ring
 from tests.support.cells_near_field import strip_kernel
 from tests.support.condensed import condense
+from tests.support.tolerances import SOLVER
 
 MODULE = 4.5
 GEAR = {
@@ -266,6 +268,15 @@ def test_fewer_modes_are_those_of_a_smaller_job() -> None:
     for name in ("smooth", "tangential"):
         one, other = getattr(left, name), getattr(fewer, name)
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-8 * np.abs(other).max())
+    # the coefficients of a load, and its integrals with the modes
+    span, tip, onto = more.modes.range_mm, more.modes.tip, more.onto_lower_modes(2)
+    all_of, own = (mode_values(np.array([2.0]), span, with_tip(n), tip=tip)[0] for n in (6, 4))
+    expected = np.zeros(all_of.size)
+    expected[np.r_[:4, 6 : 2 + own.size]] = to_coefficients(own, span, tip=tip)
+    close = partial(np.testing.assert_allclose, rtol=0, atol=SOLVER * np.abs(expected).max())
+    close(onto @ to_coefficients(all_of, span, tip=tip), expected)
+    products = mode_products(span, all_of.size, tip)
+    close(np.linalg.solve(products, onto.T @ all_of), expected)
 
 
 def test_far_from_the_tip_its_modes_change_nothing() -> None:

@@ -25,7 +25,12 @@ from flankload.analysis.error_rules import (
     load_shares,
     of_largest,
 )
-from flankload.result.root_stress import largest_tension, root_reading, stress_by_slice
+from flankload.result.root_stress import (
+    largest_tension,
+    loads_of_modes,
+    root_reading,
+    stress_by_slice,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -35,6 +40,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.body_pair import BodyPair
     from flankload.result.pairs import PairTable
+    from flankload.result.root_stress import RootReading
 
     Bodies = tuple[BodyCompliance, BodyCompliance]
 
@@ -63,41 +69,42 @@ def root_tension(
     """The tension under the forces of a table per position; None if the scene asks for none."""
     if all(each.root is None for each in compliances):
         return None
-    tables = tuple(tables)
-    whole = _tension(pair, compliances, tables)
-    largest = whole.max(axis=(1, 2), keepdims=True)
-    largest = np.where(largest > 0, largest, 1.0)
-
-    def without(reduced: Sequence[Bodies]) -> Floats:
-        changes = [np.abs(_tension(pair, one, tables) - whole) for one in reduced]
-        return np.asarray(np.max(changes, axis=0) / largest)
-
-    one, two = compliances
-    fewer = [(one.fewer_modes(less), two.fewer_modes(less)) for less in (1, 2)]
-    omitted = {"modes": without(fewer)}
-    if not pair.slices.plane:
-        omitted["axial"] = without([(_fewer_degrees(one), _fewer_degrees(two))])
-    difference = [0.0 if each.root is None else each.root.difference for each in compliances]
-    return RootTension(whole / largest, omitted, np.array(difference)[:, None, None])
-
-
-def _fewer_degrees(compliance: BodyCompliance) -> BodyCompliance:
-    """The compliance without the two highest degrees in z of its loads and of its root stress."""
-    fewer = compliance.fewer_axial_modes()
-    if fewer.root is None:
-        return fewer
-    return replace(fewer, root=fewer.root.with_each(lambda table: table[..., :-2, :]))
-
-
-def _tension(pair: BodyPair, compliances: Bodies, tables: Sequence[PairTable]) -> Floats:
-    sites = pair.pairing.sites
-    found = np.zeros((2, len(tables), sites.size))
-    for z in (0, 1):
+    tables, sites = tuple(tables), pair.pairing.sites
+    tension = np.zeros((2, len(tables), sites.size))
+    omitted: dict[str, Floats] = {}
+    difference = np.zeros((2, 1, 1))
+    for z, own in enumerate(compliances):
         reading = root_reading(pair, compliances, z, np.arange(sites.size))
-        if reading is not None:
-            stress = stress_by_slice(reading, tables, sites, z)
-            found[z] = largest_tension(reading.points, stress).max(axis=2)
-    return np.maximum(found, 0.0)
+        if own.root is None or reading is None:
+            continue
+        loads = loads_of_modes(reading, tables, sites, z)
+        fewer = [_projected(loads, own.onto_lower_modes(less), reading) for less in (1, 2)]
+        whole, *others = _tension(reading, [loads, *fewer])
+        changes = {"modes": np.abs(others - whole).max(axis=0)}
+        if reading.over_width is not None:
+            lower = _projected(loads, own.onto_lower_degrees(), reading)
+            less = replace(reading, response=reading.response[..., :-2, :])
+            changes["axial"] = np.abs(_tension(less, [lower])[0] - whole)
+        largest = whole.max() or 1.0
+        tension[z], difference[z] = whole / largest, own.root.difference
+        for source, change in changes.items():
+            omitted.setdefault(source, np.zeros_like(tension))[z] = change / largest
+    return RootTension(tension, omitted, difference)
+
+
+def _projected(loads: Floats, onto: Floats, reading: RootReading) -> Floats:
+    """Loads (P, S, p) of fewer modes, by a projection of coefficients; all kinds of loads."""
+    kinds = loads.reshape(*loads.shape[:2], -1, len(onto))
+    # with a width, loads are integrals with the modes in place of coefficients
+    fewer = kinds @ (onto.T if reading.over_width is None else onto)
+    return np.asarray(fewer.reshape(loads.shape))
+
+
+def _tension(reading: RootReading, loads: Sequence[Floats]) -> Floats:
+    """Largest tension (n, P, S) in each root under n loads of the modes (P, S, p)."""
+    stress = stress_by_slice(reading, np.concatenate(loads))
+    found = np.maximum(largest_tension(reading.points, stress).max(axis=2), 0.0)
+    return np.asarray(found.reshape(len(loads), -1, found.shape[1]))
 
 
 def add_root_errors(

@@ -151,13 +151,13 @@ def _both_sides(
 ) -> tuple[RootPoints, Floats, Numbers]:
     """Gauss points of both fillets of the tooth at the angle `turn`, their strains and edges."""
     edges = boundary_edges(mesh.cells)
-    form = curve.range_of("fillet")[1]
+    fillet = curve.cut(0.0, curve.range_of("fillet")[1])
     own = turned(mesh.nodes, -turn)
     # the other side of the tooth is the working side of the mirrored tooth
     images = (own, turned(turned(own, -center) * [1.0, -1.0], center))
     parts = []
     for image in images:
-        on = _edges_on_fillet(image, edges, curve, form, key)
+        on = _edges_on_fillet(image, edges, fillet, key)
         places, strains = edge_strains(mesh.nodes, image, edges[on])
         s = curve.arc_length_of(places)[0]
         order = np.argsort(s)
@@ -201,16 +201,16 @@ def _line_shapes(x: Floats) -> tuple[Floats, Floats]:
     return values, np.stack([x - 0.5, x + 0.5, -2 * x], axis=-1)
 
 
-def _edges_on_fillet(
-    nodes: Floats, edges: Numbers, curve: FlankCurve, form: float, key: str
-) -> Numbers:
-    """Edges on the fillet of a curve."""
-    ends = curve.point([0.0, form])
-    reach = float(np.linalg.norm(ends[1] - ends[0])) + form
-    near = np.linalg.norm(nodes[edges[:, 2]] - ends.mean(axis=0), axis=1) < reach
-    candidates = np.flatnonzero(near)
-    length = np.linalg.norm(nodes[edges[candidates, 1]] - nodes[edges[candidates, 0]], axis=1)
-    s, away = curve.arc_length_of(nodes[edges[candidates]].reshape(-1, 2))
+def _edges_on_fillet(nodes: Floats, edges: Numbers, fillet: FlankCurve, key: str) -> Numbers:
+    """Edges on the fillet, whose end is the beginning of the flank."""
+    form = fillet.length_mm
+    middle = fillet.point([0.0, form]).mean(axis=0)
+    length = np.linalg.norm(nodes[edges[:, 1]] - nodes[edges[:, 0]], axis=1)
+    # a point of a curve is at most half of its length from the middle between its ends
+    reach = 0.5 * form + FILLET_TOLERANCE * length
+    candidates = np.flatnonzero(np.linalg.norm(nodes[edges[:, 2]] - middle, axis=1) < reach)
+    length = length[candidates]
+    s, away = fillet.arc_length_of(nodes[edges[candidates]].reshape(-1, 2))
     s, away = s.reshape(-1, 3), away.reshape(-1, 3)
     lies = (away < FILLET_TOLERANCE * length[:, None]).all(axis=1) & (s[:, 2] < form)
     covered = float(np.ptp(s[lies][:, :2], axis=1).sum())

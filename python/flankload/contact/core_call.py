@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     Outcome = TypeVar("Outcome")
 
-#: Number of lumped contacts, summed over the states, that take less than 0.02 s.
+#: Number of lumped contacts, or of cells, summed over the states, that take less than 0.02 s.
 SHORT_CALL = 1000
 #: Seconds between two readings of the core's progress.
 TICK_S = 0.05
@@ -211,8 +211,10 @@ class CoreCall:
 
     def _is_short(self, n_positions: int) -> bool:
         """Whether the call ends before the first reading of its progress."""
-        sites = n_positions * self.torques_Nmm.size * self.n_sites
-        return self.contact.level == "lumped" and sites <= SHORT_CALL
+        contact, each = self.contact, 1.0
+        if contact.level != "lumped":  # forces of finite size are iterated
+            each = 2.0 * contact.grid.strips_per_half_width * (1 + contact.finite_steps)
+        return n_positions * self.torques_Nmm.size * self.n_sites * each <= SHORT_CALL
 
     def _found(
         self, outputs: tuple[Any, ...], site: NDArray[np.intc], table: NDArray[np.float64]

@@ -169,6 +169,7 @@ class FlankCurve:
         low = samples[np.maximum(nearest - 1, 0)]
         high = samples[np.minimum(nearest + 1, samples.size - 1)]
         s = samples[nearest]
+        round_off = 4 * np.finfo(float).eps * max(self.length_mm, np.abs(wanted).max(initial=0.0))
         for _ in range(50):
             # Newton's method for the derivative of half the squared distance, within [low, high]
             point, first, second = self.derivatives(s)
@@ -177,7 +178,7 @@ class FlankCurve:
             bend = (first**2).sum(axis=1) + (away * second).sum(axis=1)
             step = -slope / np.where(bend > 0, bend, 1.0)
             new = np.clip(s + step, low, high)
-            done = np.abs(new - s).max(initial=0.0) <= 4 * np.finfo(float).eps * self.length_mm
+            done = np.abs(new - s).max(initial=0.0) <= round_off
             s = new
             if done:
                 break

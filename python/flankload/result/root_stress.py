@@ -214,7 +214,8 @@ def root_stress(
 
     `sites` (S,): numbers of flank pairs, all loaded ones among them.
     """
-    by_slice, over_width = stress_by_slice(reading, tables, sites, z), reading.over_width
+    loads, over_width = loads_of_modes(reading, tables, sites, z), reading.over_width
+    by_slice = stress_by_slice(reading, loads)
     z_mm = None if over_width is None else over_width.z_mm
     points = reading.points
     largest, least = (_extremes(points, by_slice, sign) for sign in (1.0, -1.0))
@@ -228,32 +229,38 @@ def root_stress(
     )
 
 
-def stress_by_slice(
-    reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int
-) -> Floats:
-    """Stress (P, S, J, q) as in `root_stress`; J = 1 in a plane scene."""
-    loads = np.concatenate(
-        [
-            _mode_loads(reading, tables[first : first + AT_ONCE], sites, z)
-            for first in range(0, len(tables), AT_ONCE)
-        ]
-    )
-    # normalise the sign of zero
+def stress_by_slice(reading: RootReading, loads: Floats) -> Floats:
+    """Stress (P, S, J, q) under loads of the modes (P, S, p); J = 1 in a plane scene."""
+    # of all loaded teeth (p i q …); zeros without a sign
+    stress = np.tensordot(loads, reading.response, axes=((1, 2), (1, -1))) + 0.0
     if reading.over_width is None:
-        return np.asarray(np.einsum("ijqa,pja->piq", reading.response, loads)[:, :, None] + 0.0)
-    by_function = np.einsum("ijqka,pja->pikq", reading.response, loads)
-    basis = AxialBasis(reading.over_width.range_mm, by_function.shape[2] - 1)
+        return stress[:, :, None]
+    basis = AxialBasis(reading.over_width.range_mm, stress.shape[3] - 1)
     values = basis.values(reading.over_width.z_mm)
-    return np.asarray(np.einsum("jk,pikq->pijq", values, by_function) + 0.0)
+    return np.asarray(np.einsum("jk,piqk->pijq", values, stress) + 0.0)
 
 
-def _mode_loads(
+def loads_of_modes(
     reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int
 ) -> Floats:
     """Loads c (P, S, p) of the modes, MPa: out of the material, then along it.
 
-    In three dimensions the forces times the values of the modes, N.
+    In three dimensions the forces times the values of the modes, N. Arguments as of `root_stress`.
+
+    Raises
+    ------
+    ValueError
+        If a flank pair that is not among the sites carries load.
     """
+    parts = [
+        _loads_at(reading, tables[first : first + AT_ONCE], sites, z)
+        for first in range(0, len(tables), AT_ONCE)
+    ]
+    return np.concatenate(parts)
+
+
+def _loads_at(reading: RootReading, tables: Sequence[PairTable], sites: Numbers, z: int) -> Floats:
+    """The same at a few positions."""
     loaded = [table.force_N > 0 for table in tables]
 
     def column(name: str) -> Any:
@@ -284,8 +291,11 @@ def _mode_loads(
     weighted = np.hstack([values * each[:, None] for each in forces])
     position = np.repeat(np.arange(len(tables)), [int(own.sum()) for own in loaded])
     loads = np.zeros((len(tables), sites.size, reading.response.shape[-1]))
-    at = (column("site")[:, None] == sites).argmax(axis=1)
-    np.add.at(loads, (position, at), weighted)
+    here = column("site")[:, None] == sites
+    if not here.any(axis=1).all():
+        missing = sorted(set(column("site").tolist()) - set(sites.tolist()))
+        raise ValueError(f"sites: expected all loaded flank pairs, without {missing} found {sites}")
+    np.add.at(loads, (position, here.argmax(axis=1)), weighted)
     return loads
 
 

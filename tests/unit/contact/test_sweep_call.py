@@ -213,4 +213,6 @@ def test_a_short_call_needs_no_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     monkeypatch.setattr(core_room, "call_and_watch", counted)
     run([TORQUES[0]], count=4)
+    assert len(calls) == 1
+    run([TORQUES[0]], count=32)
     assert len(calls) == 2

@@ -22,7 +22,7 @@ from flankload.errors import SceneError
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.meshes.io import read_mesh, write_mesh
 from flankload.result import Result
-from flankload.result.root_stress import _peak
+from flankload.result.root_stress import _peak, root_stress
 from flankload.scene import Gear, Ring
 from tests.support.condensed import condense
 from tests.support.mesh_files import COARSE_PINION, whole_of
@@ -293,6 +293,15 @@ def test_stress_is_in_all_files_and_in_the_table(with_stress: Result) -> None:
         assert tree["summary"][f"root_stress_{z}"]["tension"] == found
         text = f"tension {found['stress_MPa']:.0f} MPa on pair {found['pair']}"
         assert text in with_stress.table()
+
+
+def test_loaded_flank_pairs_that_are_not_listed_are_refused(with_stress: Result) -> None:
+    reading, loaded = with_stress.root_readings[0], with_stress.site_force_N.any(axis=0)
+    assert reading is not None
+    missing = with_stress.sites[loaded][0]
+    others = np.where(with_stress.sites == missing, 1000, with_stress.sites)
+    with pytest.raises(ValueError, match=rf"without \[{missing}\] found"):
+        root_stress(reading, with_stress.pair_tables, others, 0)
 
 
 def test_a_rigid_body_has_no_root_stress() -> None:

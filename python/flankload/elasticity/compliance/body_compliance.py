@@ -204,22 +204,13 @@ class BodyCompliance:
             halved = self.with_blocks(lambda table: parts.T @ table @ parts)
             root = self._root_under(lambda table: table @ parts)
             return replace(halved, modes=replace(self.modes, nodes=half), root=root)
-        n, each, tip = self.smooth.shape[1], self.modes_per_place, self.modes.tip
-        flank = each * self.flank_modes
-        kept = flank - each * (2 * fewer if self.modes.closed else fewer)
-        if kept < 1:
+        places, parts = self._lower_modes(fewer)
+        if places.size == self.smooth.shape[1]:
             return self
-        own = 0 if tip is None else each * with_tip(kept // each) - kept
-        places = np.r_[:kept, flank : flank + own]
-        parts = np.eye(n)[places]
-        if tip is not None:
-            along_axis = np.diag(1.0 / (2.0 * np.arange(each) + 1.0))
-            products = np.kron(mode_products(self.modes.range_mm, n // each, tip), along_axis)
-            parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
 
         def projected(blocks: Floats) -> Floats:
-            if tip is None:
-                return blocks[:, :kept, :kept]
+            if self.modes.tip is None:
+                return blocks[:, : places.size, : places.size]
             return np.asarray(parts @ blocks @ parts.T)
 
         return replace(
@@ -228,6 +219,30 @@ class BodyCompliance:
             root=self._root_under(lambda table: table[..., places]),
             fe_error=None,
         )
+
+    def _lower_modes(self, fewer: int) -> tuple[Numbers, Floats]:
+        """Numbers of the kept modes (k,), and their coefficients (k, p) from those of all modes."""
+        n, each, tip = self.smooth.shape[1], self.modes_per_place, self.modes.tip
+        flank = each * self.flank_modes
+        kept = flank - each * (2 * fewer if self.modes.closed else fewer)
+        if kept < 1:
+            return np.arange(n), np.eye(n)
+        own = 0 if tip is None else each * with_tip(kept // each) - kept
+        places = np.r_[:kept, flank : flank + own]
+        parts = np.eye(n)[places]
+        if tip is not None:
+            along_axis = np.diag(1.0 / (2.0 * np.arange(each) + 1.0))
+            products = np.kron(mode_products(self.modes.range_mm, n // each, tip), along_axis)
+            parts = np.asarray(np.linalg.solve(parts @ products @ parts.T, parts @ products))
+        return places, parts
+
+    def onto_lower_modes(self, fewer: int = 1) -> Floats:
+        """Projection (p, p) of coefficients of all modes on the modes of `fewer_modes`."""
+        if self.modes.nodes is not None:
+            _, parts = every_second_node(self.modes.nodes)
+            return np.asarray(parts @ parts.T)
+        places, parts = self._lower_modes(fewer)
+        return np.eye(self.smooth.shape[1])[:, places] @ parts
 
     def _root_under(self, change: Blocks) -> RootResponse | None:
         """Root stress under other loads: `change` maps tables of normal or tangential ones."""
@@ -241,10 +256,9 @@ class BodyCompliance:
 
     def fewer_axial_modes(self, fewer: int = 2) -> BodyCompliance:
         """In three dimensions, the compliance without the modes of the highest degrees in z."""
-        axial = self.modes.axial
-        if not 0 < fewer <= axial.degree:
+        axial, kept = self.modes.axial, self._lower_degrees(fewer)
+        if kept.size == self.smooth.shape[1]:
             return self
-        kept = np.flatnonzero(np.arange(self.smooth.shape[1]) % axial.count < axial.count - fewer)
         return replace(
             self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
@@ -252,6 +266,17 @@ class BodyCompliance:
             root=self._root_under(lambda table: table[..., kept]),
             fe_error=None,
         )
+
+    def _lower_degrees(self, fewer: int) -> Numbers:
+        """Numbers of the modes without the highest degrees in z; of all if none would remain."""
+        count = self.modes.axial.count
+        fewer = fewer if 0 < fewer < count else 0
+        return np.flatnonzero(np.arange(self.smooth.shape[1]) % count < count - fewer)
+
+    def onto_lower_degrees(self, fewer: int = 2) -> Floats:
+        """As `onto_lower_modes`, on the modes of `fewer_axial_modes`."""
+        own = np.eye(self.smooth.shape[1])
+        return own * np.isin(np.arange(len(own)), self._lower_degrees(fewer))
 
     def with_fe_error(self, times: float) -> BodyCompliance:
         """The compliance plus a multiple of its estimated discretization error."""
