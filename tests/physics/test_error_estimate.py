@@ -411,6 +411,7 @@ PAIR = {
 
 def test_rules_have_the_orders_and_the_reductions_of_the_parameters() -> None:
     assert -steps.STEPS[steps.MODES].order == error_rules.MODES_ORDER
+    assert -steps.STEPS[steps.SLICES].order == error_rules.SLICES_ORDER
     assert error_rules.OMITTED_MODES == steps.REDUCED_MODES
     of_cells = error_rules.Rule.of_order(
         1.0 / steps.REDUCED_CELLS, -steps.STEPS[steps.STRIPS].order

@@ -65,10 +65,12 @@ class Rule:
         """Rule of a source that converges with a power of a number, compared at 1/ratio of it.
 
         Rotations are stationary and may err by twice that; load shares and pressures may converge
-        with half the order.
+        with half the order, rotations compared with a larger number likewise.
         """
         part, slow = (1.0 / (ratio**power - 1.0) for power in (order, 0.5 * order))
-        return cls(part, part, slow - part, shares=slow / part - 1.0)
+        rest = abs(slow - part)
+        doubt = min(abs(part), rest)
+        return cls(part, doubt, rest, shares=rest / doubt)
 
 
 #: Half as many cells, on which pressures are linear.
@@ -91,18 +93,13 @@ COVERED = 0.5
 #: Half as many nodes or slices: if the error is only proportional to their distance, it equals the
 #: change.
 NODES = Rule(0.5, 0.5, 0.5)
-#: Half as many slices, compared on these. A slice in which a contact ends has the same relative
-#: error at any width, and its two halves together have at most half of that error: the error of
-#: line loads and pressures is at most twice the change.
-SLICES = Rule(0.5, 0.5, 1.5)
+#: Order of the error in the number of slices, as in `scene.steps`.
+SLICES_ORDER = 1.5
 #: Without the two highest modes along the profile or degrees along the axis. Rotations and load
 #: shares converge like a geometric series, of which a quarter of the last steps remains. Line loads
 #: and pressures at an end converge with the second power of these numbers, so that from 3 to 5
 #: degrees a half of the change remains; signs vary, and changes of two sources may cancel.
 SERIES = Rule(0.0, 0.25, 0.75, shares=2.0)
-#: Doubt of single line loads, relative to that of pressures and of the largest line load: where a
-#: contact ends within a slice, they change with the first power of the slices' width.
-LINE_LOADS = 2.0
 #: Smoothed stresses give 0.5 to 1.0 of the error under pressures that the flank elements hardly
 #: resolve.
 ELEMENTS = Rule(-1.45, 1.0, 2.0, shares=2.0)
@@ -167,7 +164,6 @@ def remaining_errors(
     weights : (P,) array
         Parts of the positions in the mean load over the face width.
     """
-    unloaded = found.rotation_rad - found.turned_rad
     rotation, change = found.rotation_rad, other.rotation_rad - base.rotation_rad
     sharing = replace(rule, doubt=rule.shares * rule.doubt)
     errors = {
@@ -180,8 +176,11 @@ def remaining_errors(
         "transmission_error_peak_to_peak": _of_peak_to_peak(rule, change, rotation),
     }
     kink = LARGEST_KINK if found.slices.plane else np.inf
+    unloaded = found.rotation_rad - found.turned_rad
+    own = unloaded if other.unloaded is None else other.rotation_rad - other.turned_rad
+    turned = [found.turned_rad, base.rotation_rad - unloaded, other.rotation_rad - own]
     for name, softness, largest in (
-        ("stiffness_secant", [s.rotation_rad - unloaded for s in (found, base, other)], np.inf),
+        ("stiffness_secant", turned, np.inf),
         # in the plane with steps where the loaded pairs change
         ("stiffness_tangent", [s.tangent_rad_per_Nmm for s in (found, base, other)], kink),
     ):
@@ -198,35 +197,20 @@ def remaining_errors(
     return errors
 
 
-def of_touch(found: Sweep, coarser: Sweep) -> dict[str, RemainingError]:
-    """Error of slices in the state without torque, from that of half as many slices.
-
-    A slice touches with its mean gap, later than one of its ends.
-    """
-    unloaded = found.unloaded
-    if unloaded is None:
-        return {}
-    change = coarser.rotation_rad - unloaded.rotation_rad
-    one, other = mean_stiffness(found.turned_rad), mean_stiffness(found.turned_rad - change)
-    if one is None or other is None:
-        return {}
-    return {"stiffness_secant": _of_mean(NODES, other - one, one)}
-
-
 def _of_line_loads(
     rule: Rule, found: Sweep, base: Sweep, other: Sweep, weights: Floats
 ) -> dict[str, RemainingError]:
     """Errors of single line loads, of the largest one, and of both load factors.
 
-    They are compared on the slices of the other sweep.
+    They are compared on the wider slices.
     """
-    middle = 0.5 * (found.slices.edges_mm[1:] + found.slices.edges_mm[:-1])
-    around = np.searchsorted(other.slices.edges_mm, middle) - 1
-    found, base = (_on_slices_of(other, part) for part in (found, base))
-    width = np.diff(other.slices.edges_mm)
-    one, two, three = (part.slices.force_N / width for part in (found, base, other))
-    change = np.where(on_corner(found.slices.corner), 0.0, three - two)[..., around]
-    errors = {LINE_LOAD: _at_each(_of_pressures(rule, LINE_LOADS), change, one.max())}
+    edges = min(found.slices.edges_mm, other.slices.edges_mm, key=np.size)
+    around = np.searchsorted(edges, found.slices.edges_mm[1:]) - 1
+    smooth = ~on_corner(found.slices.corner)
+    found, base, other = (_on_slices(edges, part) for part in (found, base, other))
+    one, two, three = (part.slices.force_N / np.diff(edges) for part in (found, base, other))
+    change = np.where(smooth, (three - two)[..., around], 0.0)
+    errors = {LINE_LOAD: _at_each(_of_pressures(rule), change, one.max())}
     for name, loads_of in (
         (FACE_LOAD, partial(loads_over_period, weights=weights)),
         (LINE_FACTOR, relative_loads),
@@ -238,20 +222,16 @@ def _of_line_loads(
     return errors
 
 
-def _on_slices_of(other: Sweep, part: Sweep) -> Sweep:
-    """A sweep on the slices of another one, whose edges are among its own."""
-    slices, edges = part.slices, other.slices.edges_mm
-    if edges.size == slices.edges_mm.size:
-        return part
-    first = np.searchsorted(slices.edges_mm, edges[:-1])
-    force = np.add.reduceat(slices.force_N, first, axis=2)
-    corner = np.maximum.reduceat(slices.corner, first, axis=2)
-    return replace(part, slices=replace(slices, edges_mm=edges, force_N=force, corner=corner))
+def _on_slices(edges_mm: Floats, part: Sweep) -> Sweep:
+    """A sweep with the forces on other slices, whose edges are among its own."""
+    first = np.searchsorted(part.slices.edges_mm, edges_mm[:-1])
+    force = np.add.reduceat(part.slices.force_N, first, axis=2)
+    return replace(part, slices=replace(part.slices, edges_mm=edges_mm, force_N=force))
 
 
-def _of_pressures(rule: Rule, part: float = 1.0) -> Rule:
-    """The rule with its doubt for pressures, or with a multiple of that."""
-    return replace(rule, doubt=part * rule.doubt_pressure)
+def _of_pressures(rule: Rule) -> Rule:
+    """The rule with its doubt for pressures."""
+    return replace(rule, doubt=rule.doubt_pressure)
 
 
 def _at_each(rule: Rule, change: Floats, whole: float | np.floating) -> RemainingError:

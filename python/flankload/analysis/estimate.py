@@ -50,7 +50,7 @@ from flankload.analysis.error_rules import (
     PEAK_PRESSURE,
     ROOT_STRESS,
     SERIES,
-    SLICES,
+    SLICES_ORDER,
     STRIPS,
     RemainingError,
     Rule,
@@ -205,7 +205,8 @@ def estimate_errors(
     *,
     variants: Mapping[str, Mapping[str, object]],
     at: Numbers | None = None,
-    lumped: Callable[[int, Sweep], dict[str, RemainingError]] | None = None,
+    slices_ratio: float = 0.5,
+    lumped: Callable[[int], dict[str, RemainingError]] | None = None,
     roots: Callable[[Sweep], RootTension | None] = lambda _: None,
     sources: Mapping[str, Callable[[Sweep], dict[str, RemainingError]]] = MappingProxyType({}),
 ) -> tuple[Estimate, ...]:
@@ -217,8 +218,7 @@ def estimate_errors(
         The sweep, one part per torque, each with its tangents.
     run : callable
         run(compliances=…, grid=…, part=…) repeats the sweep with other compliances or cells at the
-        positions `at`; part counts the calls from 0. Lumped contacts with a width: on the slices of
-        the variant "slices".
+        positions `at`; part counts the calls from 0.
     compliances
         Compliances of the sweep.
     cells : Grid
@@ -226,13 +226,15 @@ def estimate_errors(
     weights : (n,) array
         Parts of the positions `at` in means over the period.
     variants : mapping
-        Arguments of `run` for the reduced sweeps, by the source whose error their change shows;
-        always "modes".
+        Arguments of `run` for further sweeps, by the source whose error their change shows; always
+        "modes".
     at : (n,) array or None
         Indices of the positions at which sweeps are repeated; None for all.
+    slices_ratio : float
+        Number of slices over that of the sweep that shows their error.
     lumped : callable or None
-        Errors of the lumped contacts of a torque, by its index and the reduced sweep that others
-        are compared with, empty if they are unknown; None if contacts have cells.
+        Errors of the lumped contacts of a torque, by its index, empty if they are unknown; None if
+        contacts have cells.
     roots : callable
         Tension in the roots at the positions `at`; None without root stress.
     sources : mapping
@@ -249,13 +251,11 @@ def estimate_errors(
     coarse = some if lumped is not None else run(compliances=compliances, grid=cells, part=0)
     others: dict[str, tuple[Sweep, ...]] = {}
     for number, (source, arguments) in enumerate(variants.items(), start=1):
-        # the states of a reduced sweep may not converge where those of the sweep do
+        # the states of a repeated sweep may not converge where those of the sweep do
         with suppress(ContactError) if "slices" in variants else nullcontext():
             others[source] = run(
                 **{"compliances": compliances, **arguments}, grid=cells, part=number
             )
-    if lumped is not None and "slices" in variants:
-        others, coarse = (others, others["slices"]) if "slices" in others else ({}, some)
     unknown = [source for source in variants if source not in others]
     estimates = []
     for t, (whole, part) in enumerate(zip(found, some, strict=True)):
@@ -263,11 +263,11 @@ def estimate_errors(
         if lumped is None:
             errors |= _of_cells(part, coarse[t], weights)
         else:
-            errors["lumped"] = lumped(t, coarse[t])
+            errors["lumped"] = lumped(t)
         missing = ", ".join([*unknown, *(source for source in errors if not errors[source])])
         each = {source: other[t] for source, other in others.items()}
         of_modes = _rule_of_modes(part, compliances)
-        errors |= _of_compliances(part, coarse[t], each, of_modes, weights)
+        errors |= _of_compliances(part, coarse[t], each, of_modes, weights, slices_ratio)
         errors |= {source: own for source, of in sources.items() if (own := of(whole))}
         tension = roots(part)
         if tension is not None:
@@ -346,17 +346,14 @@ def _of_compliances(
     others: Mapping[str, Sweep],
     of_modes: Rule,
     weights: Floats,
+    slices_ratio: float,
 ) -> dict[str, dict[str, RemainingError]]:
     """Errors of modes and elements, from sweeps on coarse cells with other compliances."""
-    rules = {"modes": of_modes, "elements": ELEMENTS, "slices": SLICES}
+    rules = {"modes": of_modes, "elements": ELEMENTS}
+    if "slices" in others:
+        rules["slices"] = Rule.of_order(slices_ratio, SLICES_ORDER)
     errors = {
-        source: remaining_errors(
-            rules.get(source, SERIES),
-            part,
-            part if other is coarse else coarse,
-            other,
-            weights,
-        )
+        source: remaining_errors(rules.get(source, SERIES), part, coarse, other, weights)
         for source, other in others.items()
     }
     if of_modes is not NODES and coarse.slices.plane:

@@ -2,8 +2,7 @@
 
 The same bodies and positions with cells, half as many as those of a run, show what one unknown for
 each place of contact omits: edges of contacts, corners, roundings, and pressures where contact
-lines end. Meshes of a stage or a train with a width are compared on half as many slices, on which
-cells take a quarter of the time; at sharp tips they differ more there.
+lines end.
 """
 
 from __future__ import annotations
@@ -37,15 +36,13 @@ CELLS = Rule(-1.0, 0.75, 0.75)
 SPREAD, SPREAD_PRESSURE, SPREAD_LINE_LOAD = 0.005, 0.01, 0.08
 
 
-def error_beside_cells(
-    part: Sweep, lumped: Sweep, cells: Sweep, weights: Floats
-) -> dict[str, RemainingError]:
+def error_beside_cells(part: Sweep, cells: Sweep, weights: Floats) -> dict[str, RemainingError]:
     """Errors of lumped contacts, by quantity.
 
-    `part` are some positions of a sweep, `lumped` and `cells` the same without and with cells,
-    `weights` (P,) the parts of the positions in means over the period.
+    `part` are some positions of a sweep, `cells` the same with cells, `weights` (P,) the parts of
+    the positions in means over the period.
     """
-    errors = remaining_errors(CELLS, part, lumped, cells, weights)
+    errors = remaining_errors(CELLS, part, part, cells, weights)
     errors[LARGEST_PRESSURE] = at_largest_peak(errors[PEAK_PRESSURE], part)
     # the tangent of cells is that of fixed zones
     if "stiffness_secant" in errors:

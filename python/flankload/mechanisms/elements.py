@@ -259,11 +259,11 @@ def solve_bodies(
 def variants_of(
     compliances: tuple[BodyCompliance, ...],
     slices: Slices,
-    coarser: Mapping[str, object],
+    compared: Mapping[str, object],
 ) -> dict[str, Mapping[str, object]]:
-    """Arguments of the reduced sweeps of an estimate, by the source of errors that they show.
+    """Arguments of the repeated sweeps of an estimate, by the source of errors that they show.
 
-    `coarser`: arguments of a sweep with half as many slices, where bodies have a width.
+    `compared`: arguments of a sweep with other slices, where bodies have a width.
     """
     found: dict[str, Mapping[str, object]] = {
         "modes": {"compliances": tuple(each.fewer_modes(REDUCED_MODES) for each in compliances)}
@@ -273,7 +273,7 @@ def variants_of(
     if slices.plane:
         return found
     fewer = tuple(each.fewer_axial_modes(REDUCED_DEGREES) for each in compliances)
-    return {"slices": coarser, **found, "axial": {"compliances": fewer}}
+    return {**found, "slices": compared, "axial": {"compliances": fewer}}
 
 
 def account_errors_of_elements(

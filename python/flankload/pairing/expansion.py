@@ -19,6 +19,7 @@ import numpy as np
 from flankload.pairing.common_height import common_height
 
 if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
     from flankload.pairing.pairing import Pairing
     from flankload.pairing.slices import Slices
@@ -133,7 +134,13 @@ def expanded_slices(
             slices.turns_rad, (body.axial for body in bodies), strains, strict=True
         )
     )
-    return replace(slices, turns_rad=(one, two))
+    laid_on = slices.laid_on
+
+    def expanded_on(edges_mm: Floats) -> Slices:
+        assert laid_on is not None
+        return expanded_slices(laid_on(edges_mm), bodies, strains)
+
+    return replace(slices, turns_rad=(one, two), laid_on=laid_on and expanded_on)
 
 
 def with_expanded_height(

@@ -6,7 +6,8 @@ The pairs of flanks of a slice are those of the plane pair with teeth at these a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from math import cos, pi, sin
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,8 @@ from flankload.base.gauss import leggauss
 from flankload.base.rounding import TIE
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from flankload.base.arrays import Floats
@@ -65,6 +68,8 @@ class Slices:
     coast_gap_mm : (J,) array or None
         Gap of coast flanks beyond that of working flanks, by misalignment; None if it is 0. Metal
         is removed from coast flanks as from working flanks, but for that of single teeth.
+    laid_on : callable or None
+        laid_on(edges_mm): slices of the same bodies between other edges; None in the plane.
     """
 
     edges_mm: Floats
@@ -77,6 +82,7 @@ class Slices:
     surfaces_mm: tuple[Floats | None, Floats | None] = (None, None)
     conforming: CommonHeight | None = None
     coast_gap_mm: Floats | None = None
+    laid_on: Callable[[Floats], Slices] | None = None
 
     @property
     def count(self) -> int:
@@ -103,33 +109,19 @@ class Slices:
         """Width by which compliances and peaks of forces per length are divided."""
         return float(self.width_mm[0]) if self.plane else 1.0
 
-    def coarser(self) -> Slices:
-        """Half as many slices, each from two neighbours with the mean of their gaps."""
-        if self.count < 2:
+    def compared(self) -> Slices:
+        """Slices that show the error of these: twice as many, both halves of each.
+
+        Half as many if these are more than the default, or of conforming flanks, which all carry
+        load, since a state costs the square of their number. The same in the plane.
+        """
+        if self.laid_on is None:
             return self
-        first = np.arange(0, self.count - self.count % 2, 2)
-        sums = np.add.reduceat(self.width_mm, first)
-        weight = self.width_mm / np.repeat(sums, np.diff(np.append(first, self.count)))
-
-        def joined(values: Floats) -> Floats:
-            return np.asarray(np.add.reduceat(weight * values, first, axis=-1))
-
-        def each(parts: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-            return joined(parts[0]), joined(parts[1])
-
-        one, two = (None if part is None else joined(part) for part in self.of_teeth_mm)
-        three, four = (None if part is None else joined(part.T).T for part in self.surfaces_mm)
-        return Slices(
-            edges_mm=np.append(self.edges_mm[first], self.edges_mm[-1]),
-            turns_rad=each(self.turns_rad),
-            removed_mm=each(self.removed_mm),
-            line_load_mm=self.line_load_mm,
-            sharp_ends=self.sharp_ends,
-            of_teeth_mm=(one, two),
-            surfaces_mm=(three, four),
-            conforming=self.conforming,
-            coast_gap_mm=None if self.coast_gap_mm is None else joined(self.coast_gap_mm),
-        )
+        if self.count > SLICES or (self.conforming is not None and self.count > 1):
+            edges = np.append(self.edges_mm[:-1:2], self.edges_mm[-1])
+        else:
+            edges = np.sort(np.append(self.edges_mm, self.z_mm))
+        return replace(self.laid_on(edges), conforming=self.conforming)
 
     def site_angles(self, angles_rad: Floats, body: int, *, coast: bool = False) -> Floats:
         """Angles (S * J,) of the teeth (S,) of a body in all slices, slice by slice per site.
@@ -190,7 +182,19 @@ def slices_of(
     one, two = shapes
     low = max(one.range_mm[0], two.range_mm[0])
     high = min(one.range_mm[1], two.range_mm[1])
-    ends = _ends_of_slices(low, high, count or SLICES, graded=graded)
+    edges = _ends_of_slices(low, high, count or SLICES, graded=graded)
+    line_load_mm = line_load_mm or LINE_LOAD_PART * (high - low)
+    return _laid_on(shapes, misalignment_per_mm, line_load_mm, edges)
+
+
+def _laid_on(
+    shapes: tuple[AxialShape, AxialShape],
+    misalignment_per_mm: tuple[float, float],
+    line_load_mm: float,
+    ends: Floats,
+) -> Slices:
+    """Slices between these ends (J + 1,)."""
+    one, two = shapes
     z, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
     (gap, coast_gap), (places, weights) = misalignment_per_mm, leggauss(GAP_POINTS)
     inside = z[:, np.newaxis] + np.outer(half, places)
@@ -211,11 +215,12 @@ def slices_of(
             one.gap_mm(inside) @ weights / 2.0,
             two.gap_mm(inside) @ weights / 2.0 + gap * z,
         ),
-        line_load_mm=line_load_mm or LINE_LOAD_PART * (high - low),
+        line_load_mm=line_load_mm,
         sharp_ends=_sharp_ends(one.range_mm, two.range_mm),
         of_teeth_mm=(of_teeth(one), of_teeth(two)),
         surfaces_mm=(surface(one), surface(two)),
         coast_gap_mm=None if coast_gap == gap else (coast_gap - gap) * z,
+        laid_on=partial(_laid_on, shapes, misalignment_per_mm, line_load_mm),
     )
 
 

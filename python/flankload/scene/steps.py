@@ -69,5 +69,5 @@ STEPS = {
 STRIPS_IN_SLICES = (3.0, 6.0, 12.0, 24.0)
 #: Reduced sweeps of an error estimate, beside the values of the run, whatever these are: part of
 #: its cells per half-width; omitted pressure modes, whose terms alternate in size, so that in some
-#: places one of two vanishes; omitted degrees along the axis. Slices are joined in pairs.
+#: places one of two vanishes; omitted degrees along the axis. For slices: `Slices.compared`.
 REDUCED_CELLS, REDUCED_MODES, REDUCED_DEGREES = 0.5, 2, 2

@@ -10,8 +10,10 @@ import pytest
 import flankload as fl
 from flankload.bodies.axial_shape import AxialShape, LeadModifications
 from flankload.mechanisms.flank_pair.assembly import build_bodies
+from flankload.pairing.expansion import expanded_slices
 from flankload.pairing.slices import gap_by_misalignment, slices_of
 from tests.support.gear_scenes import changed
+from tests.support.tolerances import ROUND_OFF
 
 WIDE = {"module_mm": 3, "helix_angle_deg": 20, "bore_diameter_mm": 30, "kind": "gear"}
 PAIR = {
@@ -59,6 +61,25 @@ def test_slices_cover_the_common_width() -> None:
     np.testing.assert_allclose(
         angles.reshape(2, -1), [[a + 0.01 * z for z in slices.z_mm] for a in (0.5, 1.5)]
     )
+
+
+def test_slices_are_compared_with_their_halves_or_with_pairs_of_them() -> None:
+    """Crownings are parabolas, so that the mean of both halves is that of the whole slice."""
+    one = AxialShape((-7.0, 7.0), 0.01, LeadModifications(crowning_mm=0.008))
+    two = AxialShape((-5.0, 9.0), -0.004, LeadModifications(slope_mm=0.01))
+    few, many = (slices_of((one, two), count, (0.002, 0.002)) for count in (4, 57))
+    halves, pairs = few.compared(), many.compared()
+    np.testing.assert_array_equal(halves.edges_mm[::2], few.edges_mm)
+    np.testing.assert_array_equal(pairs.edges_mm, many.edges_mm[[*range(0, 57, 2), 57]])
+    for fine, wide in ((halves, few), (many, pairs)):
+        for name in ("removed_mm", "turns_rad"):
+            for values, mean in zip(getattr(fine, name), getattr(wide, name), strict=True):
+                both = values[: values.size // 2 * 2].reshape(-1, 2).mean(axis=1)
+                np.testing.assert_allclose(both, mean[: both.size], rtol=0, atol=ROUND_OFF)
+    pair = build_bodies(fl.Scene.from_dict(PAIR))
+    expanded = expanded_slices(pair.slices, pair.bodies, (1e-3, 2e-3))
+    for values, mean in zip(expanded.compared().turns_rad, expanded.turns_rad, strict=True):
+        np.testing.assert_allclose(values.reshape(-1, 2).mean(axis=1), mean, rtol=0, atol=ROUND_OFF)
 
 
 def test_misalignment_opens_the_gap_along_the_axis() -> None:

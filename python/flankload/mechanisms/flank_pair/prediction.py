@@ -254,10 +254,9 @@ def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     slices = {}
     if not pair.slices.plane:
         slices["sweep"] = pair.slices.count * states["sweep"]
-        if "estimate" in states:  # one of its sweeps has fewer, with lumped contacts all
+        if "estimate" in states:  # one of its sweeps has others
             sweeps = estimate_sweeps(pair)
-            coarse = sweeps if pair.effects.lumped_contact else 1
-            count = (sweeps - coarse) * pair.slices.count + coarse * pair.slices.coarser().count
+            count = (sweeps - 1) * pair.slices.count + pair.slices.compared().count
             slices["estimate"] = count * (states["estimate"] // sweeps)
     lumped = pair.effects.lumped_contact
     none: dict[str, int] = {}

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
 from flankload.analysis.deciding_positions import deciding_positions, n_deciding
-from flankload.analysis.error_rules import of_touch
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import error_beside_cells, spread_error
 from flankload.analysis.more_positions import beside_more_positions, more_positions
@@ -231,15 +230,15 @@ def error_estimates(
         if loaded:
             under_load = tuple(found[t] for t in loaded)
             at = deciding_positions(under_load[-1], n_deciding(plane=pair.slices.plane))
+            compared = replace(pair, slices=pair.slices.compared())
             weights, torques = _weights(pair, at), [part.torque_Nmm for part in under_load]
-            coarser = replace(pair, slices=pair.slices.coarser())
-            contact = replace(states.contact, mesh=coarser) if lumped else states.contact
 
-            def run_again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
+            def run_again(*, part: int, unloaded: bool = False, **other: Any) -> tuple[Sweep, ...]:
                 return sweep(
-                    replace(contact, **other),
+                    replace(states.contact, **other),
                     states.position_rad[at],
                     torques,
+                    unloaded=unloaded,
                     keep_pairs=False,
                     account=account,
                     progress=clock.sweep_progress("estimate", sweep=part),
@@ -251,11 +250,14 @@ def error_estimates(
                 compliances,
                 grid if lumped else grid.coarser(),
                 weights,
-                variants=variants_of(compliances, pair.slices, {"mesh": coarser}),
+                variants=variants_of(
+                    compliances, pair.slices, {"mesh": compared, "unloaded": True}
+                ),
                 at=at,
+                slices_ratio=pair.slices.count / compared.slices.count,
                 lumped=_lumped_errors(under_load, states.contact, pair, at) if lumped else None,
                 roots=lambda part: root_tension(pair, compliances, pair_tables(pair, part.pairs)),
-                sources=_sources(pair, states.contact, at),
+                sources=_sources(pair, states.contact),
             )
             for t, estimate in zip(loaded, estimated, strict=True):
                 estimates[t] = estimate.as_dict(positions=states.position_errors[t])
@@ -265,10 +267,10 @@ def error_estimates(
 
 def _lumped_errors(
     found: tuple[Sweep, ...], contact: FlankContact, pair: BodyPair, at: NDArray[np.int64]
-) -> Callable[[int, Sweep], dict[str, RemainingError]]:
+) -> Callable[[int], dict[str, RemainingError]]:
     """Errors of lumped contacts of a torque by its index; none if cells have no state."""
     if pair.slices.conforming:
-        return lambda *_: spread_error()
+        return lambda _: spread_error()
     with suppress(ContactError):
         # a separate account, since no plan predicts the number of these cells
         cells = sweep(
@@ -278,8 +280,8 @@ def _lumped_errors(
             keep_pairs=False,
         )
         weights, parts = _weights(pair, at), [join_sweeps([part], at) for part in found]
-        return lambda t, _: error_beside_cells(parts[t], parts[t], cells[t], weights)
-    return lambda *_: {}
+        return lambda t: error_beside_cells(parts[t], cells[t], weights)
+    return lambda _: {}
 
 
 def _weights(pair: BodyPair, at: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -293,17 +295,15 @@ def _weights(pair: BodyPair, at: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def _sources(
-    pair: BodyPair, contact: FlankContact, at: NDArray[np.int64]
+    pair: BodyPair, contact: FlankContact
 ) -> dict[str, Callable[[Sweep], dict[str, RemainingError]]]:
-    """Sources of errors that follow from a sweep itself: touch, positions, other teeth."""
-    sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {}
-    if not pair.slices.plane:
-        coarser = replace(contact, mesh=replace(pair, slices=pair.slices.coarser()))
-        sources["touch"] = lambda found: _touch_error(join_sweeps([found], at), coarser, pair, at)
+    """Sources of errors that follow from a sweep itself: positions, other teeth."""
     if pair.pitches is None:
-        return sources
+        return {}
     window = window_of(pair)
-    sources["positions"] = lambda found: _sampling_error(found, contact, pair, window)
+    sources: dict[str, Callable[[Sweep], dict[str, RemainingError]]] = {
+        "positions": lambda found: _sampling_error(found, contact, pair, window)
+    }
     others = OtherTeeth(pair, contact.compliances, window)
     if window.pitches % others.pitches != 0:
         sources["period"] = partial(of_other_teeth, others=others)
@@ -328,16 +328,6 @@ def _sampling_error(
             )
             return beside_more_positions(many, between_positions(many, window, more))
     return between_positions(found, window, position_rad, adaptive=pair.adaptive)
-
-
-def _touch_error(
-    part: Sweep, coarser: FlankContact, pair: BodyPair, at: NDArray[np.int64]
-) -> dict[str, RemainingError]:
-    """Error of the state without torque, which half as many slices show."""
-    with suppress(ContactError):
-        (touch,) = sweep(coarser, pair.position_rad[at], [0.0], keep_pairs=False)
-        return of_touch(part, touch)
-    return {}
 
 
 def incomplete_estimate_notes(pair: BodyPair, compliances: Compliances) -> tuple[str, ...]:

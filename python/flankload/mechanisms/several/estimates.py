@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from flankload.analysis.error_rules import RemainingError
     from flankload.base.arrays import Floats, Numbers
-    from flankload.contact.meshes_contact import MeshesContact, MeshesSweep
+    from flankload.contact.meshes_contact import MeshesSweep
     from flankload.contact.sweep import Sweep
     from flankload.mechanisms.several.assembly import Compliances
     from flankload.mechanisms.several.states import AnyAssembly, MeshesStates
@@ -56,14 +56,14 @@ def error_estimates(
     contact, torques = states.contact, scene.torques_Nmm
     lumped, grid = contact.level == "lumped", contact.grid
     plane = assembly.is_plane
-    coarser = replace(assembly, slices=tuple(each.coarser() for each in assembly.slices)).meshes
-    variants = variants_of(compliances, assembly.slices[0], {"meshes": coarser})
-    if lumped:
-        contact = replace(contact, meshes=coarser)
+    slices = tuple(each.compared() for each in assembly.slices)
+    compared = replace(assembly, slices=slices).meshes
+    ratio = assembly.slices[0].count / slices[0].count
+    variants = variants_of(compliances, assembly.slices[0], {"meshes": compared})
     whole = tuple(one.whole for one in states.found)
     most = n_deciding(plane=plane, meshes=len(assembly.slices))
     at = deciding_positions(whole[-1], most)
-    cells, positions = _BesideCells(assembly, states, contact, at), _BesideMore(assembly, states)
+    cells, positions = _BesideCells(assembly, states, at), _BesideMore(assembly, states)
     reduced: dict[int, tuple[MeshesSweep, ...]] = {}
     with clock.stage("estimate") as account:
 
@@ -87,13 +87,14 @@ def error_estimates(
             weights_of(assembly, at),
             variants=variants,
             at=at,
+            slices_ratio=ratio,
             lumped=cells.errors if lumped else None,
             sources={} if plane else {"positions": positions.errors},
         )
         found: list[dict[str, object]] = [one.as_dict() for one in estimated]
         if not plane:
             for t, of_meshes in enumerate(
-                _of_meshes(assembly, states, variants, reduced, cells, positions)
+                _of_meshes(assembly, states, variants, reduced, cells, positions, ratio)
             ):
                 found[t][OF_MESHES] = of_meshes
     account_errors_of_elements(clock, assembly.names, compliances)
@@ -107,6 +108,7 @@ def _of_meshes(
     reduced: Mapping[int, Sequence[MeshesSweep]],
     cells: _BesideCells,
     positions: _BesideMore,
+    ratio: float,
 ) -> list[tuple[Mapping[str, object], ...]]:
     """Estimates of the meshes under each torque; empty without torque."""
     contact, weights = states.contact, weights_of(assembly, cells.at)
@@ -122,6 +124,7 @@ def _of_meshes(
             weights,
             variants=variants,
             at=cells.at,
+            slices_ratio=ratio,
             lumped=partial(cells.of_mesh, m, loaded) if contact.level == "lumped" else None,
             sources={"positions": partial(positions.errors, m=m)},
         )
@@ -150,15 +153,15 @@ class _BesideCells:
 
     assembly: AnyAssembly
     states: MeshesStates
-    contact: MeshesContact
     at: NDArray[np.int64]
 
     @cached_property
     def found(self) -> tuple[MeshesSweep, ...] | None:
         """The states with cells; None if there is none at a position."""
+        contact = self.states.contact
         with suppress(ContactError):
             return sweep_meshes(
-                replace(self.contact, level="pairs", grid=self.contact.grid.coarser()),
+                replace(contact, level="pairs", grid=contact.grid.coarser()),
                 self.assembly.position_rad[self.at],
                 [one.whole.torque_Nmm for one in self.states.found],
                 # by which the moments on the bodies are known
@@ -166,17 +169,12 @@ class _BesideCells:
             )
         return None
 
-    def of_mesh(
-        self, m: int, loaded: Sequence[int], t: int, lumped: Sweep
-    ) -> dict[str, RemainingError]:
+    def of_mesh(self, m: int, loaded: Sequence[int], t: int) -> dict[str, RemainingError]:
         """Those of a mesh under one of the `loaded` torques."""
-        return self.errors(loaded[t], lumped, m)
+        return self.errors(loaded[t], m)
 
-    def errors(self, t: int, lumped: Sweep, m: int | None = None) -> dict[str, RemainingError]:
-        """Those under a torque, of the whole drive or of a mesh; empty without cells.
-
-        `lumped` is the sweep with lumped contacts on the same slices.
-        """
+    def errors(self, t: int, m: int | None = None) -> dict[str, RemainingError]:
+        """Those under a torque, of the whole drive or of a mesh; empty without cells."""
         if self.found is None:
             return {}
         one, cells = (
@@ -184,7 +182,7 @@ class _BesideCells:
             for each in (self.states.found[t], self.found[t])
         )
         return error_beside_cells(
-            join_sweeps([one], self.at), lumped, cells, weights_of(self.assembly, self.at)
+            join_sweeps([one], self.at), cells, weights_of(self.assembly, self.at)
         )
 
 
