@@ -783,7 +783,7 @@ def test_command_prints_a_three_dimensional_plan(capsys: pytest.CaptureFixture[s
     assert row.split()[2] == "yes"
     assert row.endswith("body_1.helix_angle_deg")
     assert "81432 unknowns of the bodies" in out
-    assert "896 slices in all states" in out
+    assert "1568 slices in all states" in out
 
 
 def test_command_screens_three_dimensions_on_demand(capsys: pytest.CaptureFixture[str]) -> None:
