@@ -8,6 +8,10 @@ with the forces F_i of its contact pairs (D_a = int P_a² ds). Root stress is li
 over all teeth in mesh. The part of the pressure that few modes omit is local to the contact and
 decays towards the root. Friction along the flanks is expanded in the same way.
 
+Largest stresses are those of bending. Friction Q per width on a contact at the distance d from the
+end of the fillet adds 2 Q/(pi d) there (Flamant), which has no limit as the contact approaches.
+Stress that rises towards the flank from its last minimum along the fillet is of this kind.
+
 In three dimensions the modes are products P_a(s) P_b(z), the force of a slice is even over its
 width, and the stress is that across the root line of the tooth, which a helix turns, in the middle
 of each slice.
@@ -122,7 +126,8 @@ class Extremes(KeepsReadOnly, Card):
     Attributes
     ----------
     stress_MPa : (P, S) array
-        Largest tension (positive) or largest compression (negative) in the fillets of the tooth.
+        Largest tension (positive) or largest compression (negative) in the fillets of the tooth,
+        without the rise towards the flank beside a contact.
     arc_length_mm, radius_mm : (P, S) arrays
         Its place along the profile from the root circle; its distance from the axis.
     slant_deg : (P, S) array
@@ -362,8 +367,16 @@ def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
 
 
 def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Maximum along the last axis and its place, from the parabola around the largest value."""
-    at = values.argmax(axis=-1)
+    """Maximum along the last axis and its place, from the parabola around the largest value.
+
+    Values that rise from their last minimum to the last place, beside the flank, do not count.
+    """
+    falls = np.diff(values, axis=-1) < 0
+    beside = np.logical_and.accumulate(~falls[..., ::-1], axis=-1)[..., ::-1]
+    beside &= falls.any(axis=-1, keepdims=True)
+    own = values.copy()
+    own[..., 1:][beside] = -np.inf
+    at = own.argmax(axis=-1)
     middle = np.clip(at, 1, s.size - 2)
     three = middle[..., None] + [-1, 0, 1]
     s_0, s_1, s_2 = np.moveaxis(s[three], -1, 0)
@@ -375,7 +388,7 @@ def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
     inside = (at == middle) & (bend < 0)
     shift = np.zeros_like(slope)
     np.divide(-slope, 2 * bend, out=shift, where=inside)
-    largest = np.where(inside, v_1 + 0.5 * slope * shift, values.max(axis=-1))
+    largest = np.where(inside, v_1 + 0.5 * slope * shift, own.max(axis=-1))
     return largest, np.where(inside, s_1 + shift, s[at])
 
 

@@ -199,6 +199,15 @@ def test_peak_of_a_parabola_is_exact_and_ends_are_taken_as_they_are() -> None:
     np.testing.assert_allclose(place, [0.8, 2.0, 0.0], rtol=0, atol=10 * ROUND_OFF)
 
 
+def test_stress_that_rises_towards_a_contact_is_not_the_largest() -> None:
+    s = np.arange(6.0)
+    bent = 5.0 - (s - 1.5) ** 2
+    beside = np.where(s < 4, bent, [0, 0, 0, 0, 1.0, 9.0])
+    peak, place = _peak(s, np.stack([bent, beside]))
+    np.testing.assert_allclose(peak, 5.0, rtol=0, atol=10 * ROUND_OFF)
+    np.testing.assert_allclose(place, 1.5, rtol=0, atol=10 * ROUND_OFF)
+
+
 def test_summary_names_the_largest_of_all_positions(with_stress: Result) -> None:
     for z in (0, 1):
         stress, found = with_stress.root_stress[z], with_stress.summary[f"root_stress_{z + 1}"]
