@@ -129,15 +129,14 @@ class CoreCall:
     """The constant arguments of the core, and its call.
 
     `n_sites`: sites of the core, several for each pair of flanks; `motion` (4, P): angles of both
-    bodies, rad, and their speeds, rad per rad of the position; `records`: from `records_of`; `own`:
-    torques whose states are counted, those of the others are beside them.
+    bodies, rad, and their speeds, rad per rad of the position; `own`: torques whose states are
+    counted, those of the others are beside them.
     """
 
     contact: FlankContact
     n_sites: int
     motion: NDArray[np.float64]
     torques_Nmm: NDArray[np.float64]
-    records: tuple[NDArray[np.float64], ...]
     account: Account
     progress: Callable[[int, int], None] | None
     watched: bool
@@ -188,7 +187,7 @@ class CoreCall:
                 self.n_sites,
                 np.asfortranarray(self.motion[:, which]),
                 self.torques_Nmm,
-                *self.records,
+                *self.contact.records,
                 n_columns,
                 control,
                 site,

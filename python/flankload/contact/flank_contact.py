@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
+from flankload.contact.body_record import records_of
+
 if TYPE_CHECKING:
+    from flankload.base.arrays import Floats
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.pairing.gear_mesh import GearMesh
     from flankload.scene.discretization import Grid
@@ -40,3 +44,8 @@ class FlankContact:
     grid: Grid
     level: Level = "pairs"
     finite_steps: int = 0
+
+    @cached_property
+    def records(self) -> tuple[Floats, ...]:
+        """Records (n,) of the mesh and of both bodies, which all sweeps share."""
+        return records_of(self)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.contact.body_record import core_sites, records_of
+from flankload.contact.body_record import core_sites
 from flankload.contact.meshes import motion_numbers
 from flankload.contact.meshes_contact import meshes_problem
 from flankload.contact.pair_table import columns_of
@@ -37,7 +37,7 @@ def pair_records(
     contact: FlankContact, position_rad: Floats, torques_Nmm: Sequence[float]
 ) -> Records:
     """Records of both bodies and their mesh, and the motion (`docs/reference/records.md`)."""
-    mesh, one, two = records_of(contact)
+    mesh, one, two = contact.records
     n_columns = len(columns_of(friction=contact.mesh.friction is not None))
     counts = [position_rad.size, len(torques_Nmm), core_sites(contact.mesh), n_columns]
     motion = motion_of(contact.mesh, position_rad)

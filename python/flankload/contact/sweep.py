@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from flankload.contact.body_record import core_sites, records_of
+from flankload.contact.body_record import core_sites
 from flankload.contact.core_call import CORE_COUNTERS, CoreCall, CoreOutput, KnownContacts
 from flankload.contact.pair_table import PackedPairs, join_pairs
 from flankload.contact.status import (
@@ -230,7 +230,6 @@ def sweep(
         n_sites=core_sites(mesh),
         motion=motion_of(mesh, positions),
         torques_Nmm=asked,
-        records=records_of(contact),
         account=spent,
         progress=progress,
         watched=watched,

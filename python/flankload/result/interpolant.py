@@ -29,6 +29,9 @@ GAUSS_X, GAUSS_W = np.polynomial.legendre.leggauss(16)
 #: Parts into which an interval is divided for the intersection of the curves from both sides, and
 #: how often: exact to roundoff.
 MEETING_PARTS, MEETING_STEPS = 64, 9
+#: Places of four values of a cubic, and its coefficients from lower to higher powers by these.
+CUBIC_PLACES = np.array([0.0, 0.25, 0.75, 1.0])
+CUBIC = np.linalg.inv(np.vander(CUBIC_PLACES, increasing=True)).T
 
 
 @dataclass(frozen=True)
@@ -153,10 +156,12 @@ def curve_through(
     end = np.searchsorted(stretch, stretch, side="right") - 1
     left = first + np.arange(n_intervals)
     smooth = left[~broken[left]]
-    whole = _Polynomials.near(x, y, smooth, start, end, 0.5 * (x[smooth] + x[smooth + 1]))
     kinked = left[broken[left]]
-    before = _Polynomials.near(x, y, kinked, start, end, x[kinked])
-    after = _Polynomials.near(x, y, kinked + 1, start, end, x[kinked + 1])
+    at = np.concatenate([smooth, kinked, kinked + 1])
+    middle = 0.5 * (x[smooth] + x[smooth + 1])
+    near = _Polynomials.near(x, y, at, start, end, np.append(middle, x[at[smooth.size :]]))
+    parts = np.split(np.arange(at.size), [smooth.size, smooth.size + kinked.size])
+    whole, before, after = map(near.of, parts)
     meeting, meets = _meeting(before, after, x[kinked], x[kinked + 1])
     chord = _chords(before, after, x, y, kinked)
     met, apart = kinked[meets], kinked[~meets]
@@ -251,7 +256,7 @@ class _Polynomials:
         highest = (step == degree[:, None]) & (degree[:, None] > 0)
         return cls(nodes, coefficients, np.where(highest, table, 0.0), degree)
 
-    def of(self, which: Flags) -> _Polynomials:
+    def of(self, which: Flags | Numbers) -> _Polynomials:
         """Selected polynomials."""
         return _Polynomials(
             self.nodes[which], self.coefficients[which], self.doubts[which], self.degree[which]
@@ -277,24 +282,20 @@ def _meeting(
 
     A single point between two kinks does not determine a curve and is excluded.
     """
-    at_low = before.values(low) - after.values(low)
-    at_high = before.values(high) - after.values(high)
-    meets = (at_low * at_high <= 0) & (before.degree > 0) & (after.degree > 0)
+    places = low[:, None] + (high - low)[:, None] * CUBIC_PLACES
+    one, two = (_newton(side.nodes, side.coefficients, places) for side in (before, after))
+    apart = one - two
+    meets = (apart[:, 0] * apart[:, -1] <= 0) & (before.degree > 0) & (after.degree > 0)
     if not meets.any():
         return low, meets
-    # both sides in one array: the steps are many and the arrays short
-    nodes, coefficients = (
-        np.stack([getattr(side, name) for side in (before, after)], axis=1)
-        for name in ("nodes", "coefficients")
-    )
-    part = np.arange(1, MEETING_PARTS) / MEETING_PARTS
+    power = (apart @ CUBIC * np.sign(apart[:, :1])).T[..., None]
+    begin, step = np.zeros((low.size, 1)), 1.0
     for _ in range(MEETING_STEPS):
-        inside = low[:, None] + (high - low)[:, None] * part
-        values = _newton(nodes, coefficients, inside[:, None])
-        before_it = np.cumprod((values[:, 0] - values[:, 1]) * at_low[:, None] > 0, axis=1)
-        ends, first = np.column_stack([low, inside, high]), before_it.sum(axis=1)
-        low, high = (ends[np.arange(low.size), first + k] for k in (0, 1))
-    return 0.5 * (low + high), meets
+        step /= MEETING_PARTS
+        part = begin + step * np.arange(1, MEETING_PARTS)
+        values = ((power[3] * part + power[2]) * part + power[1]) * part + power[0]
+        begin += step * np.cumprod(values > 0, axis=1).sum(axis=1, keepdims=True)
+    return low + (high - low) * (begin[:, 0] + 0.5 * step), meets
 
 
 def _chords(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import ceil, inf
 from typing import TYPE_CHECKING
 
 from flankload.bodies import SPLINE_ELEMENT_FACTOR
@@ -11,6 +11,7 @@ from flankload.mechanisms.flank_pair.notes import ELEMENT_RESERVE
 from flankload.mechanisms.parameters import ANYWHERE, SOURCES, Parameters, lengths, named, rounded
 from flankload.mechanisms.scene_bodies import PAIR, bodies_of, node_spacing_of
 from flankload.pairing.slices import SLICES as DEFAULT_SLICES
+from flankload.scene.accuracy import Accuracy
 from flankload.scene.axial import DEGREES_ABOVE_LOAD, degrees_of
 from flankload.scene.discretization import DEFAULT, default_grid, elements_for_modes
 from flankload.scene.effects import effects_of
@@ -87,23 +88,32 @@ def parameters_of_flanks(scene: Scene, parts: Parts | None = None) -> Parameters
         explicit=() if MODES in fixed else (MODES,),
         flank_mm=flank_mm,
         ends={} if most >= MOST_MODES else {MODES: FEW_MODES},
-        first=_first(values, fixed, flank_mm),
+        first=_first(scene, values, fixed, flank_mm),
         element_mm=length,
         most_modes=most,
         nodes_mm=node_spacing_of(scene, parts) if scene.effects.near_field == "nodes" else None,
     )
 
 
-def _first(values: Values, fixed: Mapping[str, str], flank_mm: float) -> Values:
-    """Coarser values of open parameters: fewest strips, longest elements that resolve the modes."""
+def _first(scene: Scene, values: Values, fixed: Mapping[str, str], flank_mm: float) -> Values:
+    """Coarser values of open parameters: fewest strips, longest elements that resolve the modes.
+
+    In the plane, `ANYWHERE` modes for the default tolerance, more for smaller ones by their order.
+    """
     found: Values = {}
+    modes = values[MODES]
+    if MODES not in fixed and not effects_of(scene).three_dimensions:
+        part = scene.accuracy.tolerance / Accuracy().tolerance
+        few = ceil(ANYWHERE * part ** (1.0 / STEPS[MODES].order))
+        found[MODES] = modes = min(modes, max(ANYWHERE, few))
     if STRIPS in values and STRIPS not in fixed:
         found[STRIPS] = min(values[STRIPS], STEPS[STRIPS].refined[0])
     if ELEMENTS in values and ELEMENTS not in fixed:
-        length = values[ELEMENTS]
-        if elements_for_modes(int(values[MODES])) * length <= flank_mm:
+        length, wanted = values[ELEMENTS], elements_for_modes(int(values[MODES]))
+        if wanted * length <= flank_mm:
+            fewer = ELEMENT_RESERVE * wanted / elements_for_modes(int(modes))
             # without a requirement (cams) the error is of first order
-            part = STEPS[ELEMENTS].refined[0] if flank_mm == inf else ELEMENT_RESERVE
+            part = STEPS[ELEMENTS].refined[0] if flank_mm == inf else fewer
             found[ELEMENTS] = rounded(part * length)
     return found
 
