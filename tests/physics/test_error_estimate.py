@@ -29,6 +29,7 @@ from flankload.analysis.estimate import (
     Estimate,
     estimate_errors,
 )
+from flankload.analysis.lumped_error import worst_beside
 from flankload.contact.sweep import Sweep, sweep
 from flankload.elasticity.compliance import BodyCompliance, JobOptions, flank_compliance
 from flankload.elasticity.near_field import mode_values
@@ -282,6 +283,14 @@ def test_pressures_on_sharp_corners_alone_are_not_estimated() -> None:
     assert not any("peak_pressure" in parts for parts in estimate.by_source.values())
     assert estimate.errors["load_share"] > 0
     assert estimate.as_dict()["uncertain"] == {"peak_pressure": ON_CORNERS}
+
+
+def test_errors_at_a_position_are_the_worst_of_those_beside_it() -> None:
+    error, nearest = np.array([[1.0, -2.0], [-3.0, 1.0], [0.5, 0.0]]), np.array([0, 0, 1])
+    found = worst_beside(RemainingError(error, 0.5 * np.abs(error)), nearest)
+    np.testing.assert_array_equal(found.error, [[-3.0, -2.0], [0.5, 0.0]])
+    np.testing.assert_array_equal(found.doubt, [[1.5, 1.0], [0.25, 0.0]])
+    assert worst_beside(RemainingError(1.0, 2.0), nearest) == (1.0, 2.0)
 
 
 def test_a_comparison_without_states_leaves_out_its_source_only() -> None:

@@ -17,7 +17,7 @@ positions
 period
     Other teeth with another compliance that come after the last position (`period_error`).
 lumped
-    Lumped contact has no cells: those of the deciding positions (`lumped_error`).
+    Lumped contact has no cells: those of twice as many positions (`lumped_error`).
 
 Each source has an error with its sign, and a doubt. Modes make a body too soft or too stiff,
 elements make it too stiff, positions err either way. Errors are added with their signs and may

@@ -2,12 +2,15 @@
 
 The same bodies and positions with cells, half as many as those of a run, show what one unknown for
 each place of contact omits: edges of contacts, corners, roundings, and pressures where contact
-lines end.
+lines end. Such places enter and leave contact from one position to the next, so that pairs are
+compared at twice as many positions as other sources.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from flankload.analysis.error_rules import (
     FACE_LOAD,
@@ -24,7 +27,7 @@ from flankload.analysis.error_rules import (
 from flankload.analysis.estimate import OVERALL
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Floats
+    from flankload.base.arrays import Floats, Numbers
     from flankload.contact.sweep import Sweep
 
 #: The change by cells is the error with its sign; at other positions there may be three quarters
@@ -48,6 +51,23 @@ def error_beside_cells(part: Sweep, cells: Sweep, weights: Floats) -> dict[str, 
     if "stiffness_secant" in errors:
         errors["stiffness_tangent"] = errors["stiffness_secant"]
     return errors
+
+
+def worst_beside(whole: RemainingError, nearest: Numbers) -> RemainingError:
+    """Errors (n, …) at some positions: the largest ones of the positions that are nearest to each.
+
+    `nearest` (P,) are the indices of the nearest positions, `whole` the errors (P, …) at all of
+    them; one that does not depend on the position stays.
+    """
+    if np.ndim(whole.error) == 0:
+        return whole
+    parts = tuple(np.asarray(part) for part in whole)
+    found = []
+    for i in range(int(nearest.max()) + 1):
+        error, doubt = (part[nearest == i] for part in parts)
+        worst = np.abs(error).argmax(axis=0)[np.newaxis]
+        found.append([np.take_along_axis(part, worst, axis=0)[0] for part in (error, doubt)])
+    return RemainingError(*(np.array(part) for part in zip(*found, strict=True)))
 
 
 def spread_error() -> dict[str, RemainingError]:

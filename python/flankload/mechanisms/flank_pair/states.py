@@ -7,10 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from flankload.analysis.adaptive_positions import Window, sweep_adaptively
 from flankload.analysis.deciding_positions import deciding_positions, n_deciding
 from flankload.analysis.estimate import estimate_errors
-from flankload.analysis.lumped_error import error_beside_cells, spread_error
+from flankload.analysis.lumped_error import error_beside_cells, spread_error, worst_beside
 from flankload.analysis.more_positions import beside_more_positions, more_positions
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.root_error import root_tension
@@ -38,7 +40,6 @@ from flankload.scene.discretization import position_tolerance
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    import numpy as np
     from numpy.typing import NDArray
 
     from flankload.analysis.adaptive_positions import PositionErrors
@@ -268,19 +269,28 @@ def error_estimates(
 def _lumped_errors(
     found: tuple[Sweep, ...], contact: FlankContact, pair: BodyPair, at: NDArray[np.int64]
 ) -> Callable[[int], dict[str, RemainingError]]:
-    """Errors of lumped contacts of a torque by its index; none if cells have no state."""
+    """Errors of lumped contacts of a torque by its index; none if cells have no state.
+
+    Unlike those of other sources they jump from one position to the next: at each of the positions
+    `at` the worst ones of twice as many are taken.
+    """
     if pair.slices.conforming:
         return lambda _: spread_error()
+    more = deciding_positions(found[-1], 2 * at.size)
     with suppress(ContactError):
         # a separate account, since no plan predicts the number of these cells
         cells = sweep(
             replace(contact, level="pairs", grid=contact.grid.coarser()),
-            pair.position_rad[at],
+            pair.position_rad[more],
             [part.torque_Nmm for part in found],
             keep_pairs=False,
         )
-        weights, parts = _weights(pair, at), [join_sweeps([part], at) for part in found]
-        return lambda t: error_beside_cells(parts[t], cells[t], weights)
+        weights, parts = _weights(pair, more), [join_sweeps([part], more) for part in found]
+        nearest = np.abs(np.subtract.outer(more, at)).argmin(axis=1)
+        return lambda t: {
+            name: worst_beside(error, nearest)
+            for name, error in error_beside_cells(parts[t], cells[t], weights).items()
+        }
     return lambda _: {}
 
 
