@@ -34,9 +34,16 @@ TIMES = 4
 
 
 def more_positions(position_rad: Floats, period_rad: float) -> Floats:
-    """Evenly spaced positions, of which every fourth is one of the given ones."""
+    """Evenly spaced positions (P, TIMES), of which the first column are those given (P,)."""
     step = period_rad / (TIMES * position_rad.size)
-    return position_rad[0] + step * np.arange(TIMES * position_rad.size)
+    return np.asarray(position_rad[:, None] + step * np.arange(TIMES))
+
+
+def with_known(found: Sweep, more: Sweep) -> Sweep:
+    """The states of all `more_positions`, from those given and those of the other columns."""
+    n = found.status.size
+    order = np.column_stack([np.arange(n), n + np.arange(more.status.size).reshape(n, -1)])
+    return join_sweeps([found, more], order.ravel())
 
 
 def beside_more_positions(

@@ -13,7 +13,7 @@ from flankload.analysis.adaptive_positions import Window, sweep_adaptively
 from flankload.analysis.deciding_positions import deciding_positions, n_deciding
 from flankload.analysis.estimate import estimate_errors
 from flankload.analysis.lumped_error import error_beside_cells, spread_error, worst_beside
-from flankload.analysis.more_positions import beside_more_positions, more_positions
+from flankload.analysis.more_positions import beside_more_positions, more_positions, with_known
 from flankload.analysis.period_error import OtherTeeth, of_other_teeth
 from flankload.analysis.root_error import root_tension
 from flankload.analysis.sampling_error import between_positions
@@ -327,16 +327,18 @@ def _sampling_error(
     position_rad = pair.position_rad
     if not pair.slices.plane and window.closed and not pair.adaptive:
         more = more_positions(position_rad, window.pitches * window.pitch_rad)
+        known = contact.level == "lumped"  # the states at the first column
         with suppress(ContactError):
             # a separate account, as for the cells
             (many,) = sweep(
                 replace(contact, level="lumped"),
-                more,
+                more[:, int(known) :].ravel(),
                 [found.torque_Nmm],
                 unloaded=True,
                 keep_pairs=False,
             )
-            return beside_more_positions(many, between_positions(many, window, more))
+            many = with_known(found, many) if known else many
+            return beside_more_positions(many, between_positions(many, window, more.ravel()))
     return between_positions(found, window, position_rad, adaptive=pair.adaptive)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from flankload.analysis.deciding_positions import deciding_positions, n_deciding
 from flankload.analysis.estimate import OF_WIDTH, estimate_errors
 from flankload.analysis.lumped_error import error_beside_cells
-from flankload.analysis.more_positions import beside_more_positions, more_positions
+from flankload.analysis.more_positions import beside_more_positions, more_positions, with_known
 from flankload.contact.meshes_contact import sweep_meshes
 from flankload.contact.sweep import join_sweeps
 from flankload.errors import ContactError
@@ -193,16 +193,22 @@ class _BesideMore:
     assembly: AnyAssembly
     states: MeshesStates
 
+    @property
+    def known(self) -> bool:
+        """Whether the states at every fourth position are those of the drive."""
+        return self.states.contact.level == "lumped"
+
     @cached_property
     def found(self) -> tuple[MeshesSweep, ...] | None:
         """The states at more positions; None without even ones or without a state at one."""
         if not self.assembly.closed:
             return None
+        more = more_positions(self.assembly.position_rad, self.assembly.period_rad)
         with suppress(ContactError):
             # a separate account, as for the cells
             return sweep_meshes(
                 replace(self.states.contact, level="lumped"),
-                more_positions(self.assembly.position_rad, self.assembly.period_rad),
+                more[:, int(self.known) :].ravel(),
                 [one.whole.torque_Nmm for one in self.states.found],
                 keep_pairs=False,
             )
@@ -218,7 +224,8 @@ class _BesideMore:
             strict=True,
         )
         t = next(t for t, one in enumerate(own) if one is part)
-        errors = beside_more_positions(many[t], {})
+        all_of = with_known(part, many[t]) if self.known else many[t]
+        errors = beside_more_positions(all_of, {})
         # the line loads of a whole drive are those of its meshes; states without torque are unknown
         left = {"stiffness_secant", *(OF_WIDTH if m is None else ())}
         return {name: error for name, error in errors.items() if name not in left}
