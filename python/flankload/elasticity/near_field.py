@@ -111,8 +111,16 @@ def to_coefficients(
     return np.asarray(found.reshape(moments.shape), dtype=np.float64)
 
 
-def mode_products(mode_range_mm: tuple[float, float], n_modes: int, tip: Tip) -> Floats:
+def mode_products(
+    mode_range_mm: tuple[float, float],
+    n_modes: int,
+    tip: Tip | None = None,
+    *,
+    closed: bool = False,
+) -> Floats:
     """<P_a, P_b> over flank and tip, mm; without a tip the modes are orthogonal."""
+    if tip is None:
+        return np.diag(mode_norms(mode_range_mm, n_modes, closed=closed))
     high, flank = mode_range_mm[1], n_modes - tip_modes(n_modes)
     parts = on_tip(n_modes, tip)
     products = parts.T @ (mode_norms((high, tip.end_mm), len(parts))[:, None] * parts)

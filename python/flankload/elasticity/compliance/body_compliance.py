@@ -202,7 +202,7 @@ class BodyCompliance:
         if self.modes.nodes is not None:
             half, parts = every_second_node(self.modes.nodes)
             halved = self.with_blocks(lambda table: parts.T @ table @ parts)
-            root = self._root_under(lambda table: table @ parts)
+            root = self.root_under(lambda table: table @ parts)
             return replace(halved, modes=replace(self.modes, nodes=half), root=root)
         places, parts = self._lower_modes(fewer)
         if places.size == self.smooth.shape[1]:
@@ -216,7 +216,7 @@ class BodyCompliance:
         return replace(
             self.with_blocks(projected),
             expansion=self.expansion.with_shifts(lambda modes: modes @ parts.T),
-            root=self._root_under(lambda table: table[..., places]),
+            root=self.root_under(lambda table: table[..., places]),
             fe_error=None,
         )
 
@@ -244,7 +244,7 @@ class BodyCompliance:
         places, parts = self._lower_modes(fewer)
         return np.eye(self.smooth.shape[1])[:, places] @ parts
 
-    def _root_under(self, change: Blocks) -> RootResponse | None:
+    def root_under(self, change: Blocks) -> RootResponse | None:
         """Root stress under other loads: `change` maps tables of normal or tangential ones."""
         n, root = self.smooth.shape[1], self.root
 
@@ -263,7 +263,7 @@ class BodyCompliance:
             self.with_blocks(lambda blocks: blocks[:, kept[:, None], kept]),
             modes=replace(self.modes, axial=replace(axial, degree=axial.degree - fewer)),
             expansion=self.expansion.with_shifts(lambda modes: modes[:, kept]),
-            root=self._root_under(lambda table: table[..., kept]),
+            root=self.root_under(lambda table: table[..., kept]),
             fe_error=None,
         )
 

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.base.gauss import leggauss
-from flankload.elasticity.near_field import mode_values, to_coefficients
+from flankload.elasticity.near_field import mode_products, mode_values, to_coefficients
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -40,15 +40,50 @@ POINTS = 18
 def on_modified_flank(found: BodyCompliance, body: Body) -> BodyCompliance:
     """The compliance of a body with a modified flank, from that of `body.elements`.
 
-    Arc lengths are those of the modified flank, and with tangential loads forces have its
-    direction.
+    Its modes are those of the modified flank, at the same places. With tangential loads, forces
+    have the direction of that flank.
     """
     if found.tangential is not None:
         found = _turned(found, _products(found, body))
-    modes, span = found.modes, body.mode_range_mm
-    nodes = None if modes.nodes is None else _across(body, modes.nodes)
-    tip = None if modes.tip is None else body.tip
-    return replace(found, modes=replace(modes, range_mm=span, tip=tip, nodes=nodes))
+    if found.modes.nodes is None:
+        return _in_modes_of(body, found)
+    nodes = _nodes_across(body, found.modes.nodes)
+    return replace(found, modes=replace(found.modes, range_mm=body.mode_range_mm, nodes=nodes))
+
+
+def _in_modes_of(body: Body, found: BodyCompliance) -> BodyCompliance:
+    """The compliance in terms of the modes on the modified flank.
+
+    Polynomials of the arc length are polynomials of another one that differs by a constant, on any
+    range. The modified flank is some hundredths of a millimetre longer, by which they are
+    extrapolated. The modes of a tip remain those of the tip.
+    """
+    old, n, count = found.modes, found.flank_modes, found.modes_along
+    span, tip = body.mode_range_mm, None if old.tip is None else body.tip
+    points, weights = leggauss(n)
+    half = 0.5 * (span[1] - span[0])
+    s = span[0] + half * (1.0 + points)
+    before = mode_values(s - _shift(body), old.range_mm, n)
+    matrix = np.eye(count)
+    moments = mode_values(s, span, n).T @ (half * weights[:, None] * before)
+    matrix[:n, :n] = to_coefficients(moments, span)
+    if found.root is not None and found.root.range_mm is None:
+        # in the plane root stress is that under pressures, whose coefficients are
+        loads = to_coefficients(matrix.T @ mode_products(span, count, tip), old.range_mm, tip=old.tip)
+    else:
+        loads = np.kron(matrix.T, np.eye(old.axial.count))
+    matrix = np.kron(matrix, np.eye(old.axial.count))
+    rim, error = found.rim, found.fe_error
+    if rim is not None:
+        rim = replace(rim, by_modes=rim.by_modes @ matrix.T, modes=rim.modes @ matrix.T)
+    return replace(
+        found.with_blocks(lambda blocks: matrix @ blocks @ matrix.T),
+        modes=replace(old, range_mm=span, tip=tip),
+        expansion=found.expansion.with_shifts(lambda shift: shift @ matrix.T),
+        root=found.root_under(lambda table: table @ loads),
+        rim=rim,
+        fe_error=None if error is None else matrix @ error @ matrix.T,
+    )
 
 
 def _turned(found: BodyCompliance, products: Floats) -> BodyCompliance:
@@ -91,8 +126,8 @@ def _products(found: BodyCompliance, body: Body) -> Floats:
     if modes.nodes is not None:
         return np.diag(_angle(body, modes.nodes))
     low, end = modes.range_mm[0], modes.range_mm[1] if tip is None else tip.end_mm
-    kinks = _kinks(body)
-    marks = np.unique([low, *kinks[(kinks > low) & (kinks < end)], end])
+    kinks, high = _kinks(body), modes.range_mm[1]
+    marks = np.unique([low, *kinks[(kinks > low) & (kinks < high)], high, end])
     points, weights = leggauss(POINTS)
     half = 0.5 * np.diff(marks)[:, None]
     s = (0.5 * (marks[:-1] + marks[1:])[:, None] + half * points).ravel()
@@ -114,23 +149,30 @@ def _kinks(body: Body) -> Floats:
     """Arc lengths on the flank of the elements at which parts of the modified flank begin."""
     labels, breaks = body.curve.labels, body.curve.breaks
     begins = [breaks[k] for k in range(1, len(labels)) if labels[k] != labels[k - 1]]
-    here, there = _ends(body)
-    return np.interp(begins, there, here)
+    return np.array(begins) - _shift(body)
 
 
 def _across(body: Body, s: Floats) -> Floats:
     """Arc lengths on the modified flank, for those on the flank of the elements."""
-    return np.interp(s, *_ends(body))
+    high, first, end = body.unmodified.mode_range_mm[1], body.mode_range_mm[1], body.curve.length_mm
+    on_tip = np.interp(s, [high, body.unmodified.curve.length_mm], [first, end])
+    return np.where(s > high, on_tip, np.minimum(s + _shift(body), first))
 
 
-def _ends(body: Body) -> tuple[list[float], list[float]]:
-    """Arc lengths of the ends of the active flank and of the tip, on the elements and on the body.
+def _nodes_across(body: Body, nodes: Floats) -> Floats:
+    """Nodes (n,) on the modified flank; those at the ends of the flank remain there."""
+    found = _across(body, nodes)
+    for old, new in zip(body.unmodified.mode_range_mm, body.mode_range_mm, strict=True):
+        found[np.abs(nodes - old).argmin()] = new
+    return found
 
-    These parts have lengths that differ by micrometres, and correspond to each other.
+
+def _shift(body: Body) -> float:
+    """Arc length on the modified flank less that on the flank of the elements, at its middle.
+
+    Modifications change the arc length between two points by a micrometre at most, but a relieved
+    flank meets the tip circle farther out.
     """
-    both = []
-    for each in (body.unmodified, body):
-        low, high = each.mode_range_mm
-        end = each.curve.length_mm
-        both.append([low, high, end] if end > high else [low, high])
-    return both[0], both[1]
+    middle = 0.5 * sum(body.mode_range_mm)
+    point, curve = body.curve.point(np.array([middle])), body.unmodified.curve
+    return middle - float(curve.arc_length_of(point)[0][0])

@@ -11,7 +11,6 @@ from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.compliance.contributions import AxialModes, NearProducts, RootResponse
 from flankload.elasticity.finite_elements import plane_moduli, stiffness
 from flankload.elasticity.near_field import (
-    mode_norms,
     mode_products,
     projected_near_field,
     projected_sign,
@@ -85,10 +84,7 @@ class PlaneExtent:
         if friction:
             along = -near.jump * projected_sign(n, length, tip=behind)
             along += logarithm(near.wedge_along) - apart
-        if tip is None:
-            modes = np.diag(mode_norms((low, high), n, closed=closed))
-        else:
-            modes = mode_products((low, high), n, tip)
+        modes = mode_products((low, high), n, tip, closed=closed)
         return NearProducts(AxialModes(), modes, logarithm(near.wedge), along, apart)
 
     def root_columns(
