@@ -215,7 +215,11 @@ contains
             changed(side)%force = (1.0_wp + (2*side - 3)*beside)*place%force
             call reach_at(position, z, changed(side))
         end do
-        place%reach_slope = (changed(2)%reach - changed(1)%reach)/(2.0_wp*beside*place%force)
+        associate (wide => 2.0_wp*beside*place%force)
+            place%reach_slope = (changed(2)%reach - changed(1)%reach)/wide
+            place%reach_bend = ((1.0_wp + beside)*changed(2)%reach_slope &
+                & - (1.0_wp - beside)*changed(1)%reach_slope)/wide - place%reach_slope/place%force
+        end associate
     end subroutine round_slopes
 
     !> Compute the near field of a contact.
@@ -305,6 +309,7 @@ contains
                     bend(side) = -gap_bend(position%facing(zone%site), place%ends(side)) &
                         & *zone%lever*place%reach_slope(side)**3/position%kernel(loaded(k))
                 end do
+                if (system%careful) bend = place%reach_bend
                 do side = 1, 2
                     more = (2*side - 3)*beyond*place%force
                     changed(side) = place

@@ -248,7 +248,7 @@ contains
         type(equations_type), intent(inout) :: linear
 
         integer :: k, n
-        real(wp) :: own, nearer
+        real(wp) :: own, nearer, bend
         real(wp), dimension(size(forces)) :: tilt, give, give_slope, moment, arm
         real(wp), dimension(size(forces), size(forces)) :: slopes, given, added
 
@@ -290,8 +290,11 @@ contains
         do k = 1, n
             if (unloaded(k)) cycle
             associate (place => system%places(system%of(k)))
-                added(k, k) = added(k, k) + (place%moment(2) - 0.5_wp*place%give(2)*tilt(k)) &
-                    & *tilt(k) + moment(k)*place%tilt(2)
+                bend = (place%moment(2) - 0.5_wp*place%give(2)*tilt(k))*tilt(k) &
+                    & + moment(k)*place%tilt(2)
+                ! without negative ones, forces approach a solution from one side
+                if (system%careful) bend = max(0.0_wp, bend)
+                added(k, k) = added(k, k) + bend
             end associate
         end do
         linear%matrix = linear%matrix + added
