@@ -292,8 +292,10 @@ contains
             associate (place => system%places(system%of(k)))
                 bend = (place%moment(2) - 0.5_wp*place%give(2)*tilt(k))*tilt(k) &
                     & + moment(k)*place%tilt(2)
-                ! without negative ones, forces approach a solution from one side
-                if (system%careful) bend = max(0.0_wp, bend)
+                ! the equations must remain definite; without negative terms, forces approach a
+                ! solution from one side
+                if (system%careful .or. .not. linear%matrix(k, k) + added(k, k) + bend > 0.0_wp) &
+                    & bend = max(0.0_wp, bend)
                 added(k, k) = added(k, k) + bend
             end associate
         end do

@@ -43,6 +43,9 @@ module flankload_lumped_position
     !> Growth of a force since the last evaluation of its gap above which the gap is evaluated
     !> again: a power law for a small force is inaccurate beyond a nearby corner.
     real(wp), parameter :: many_times = 4.0_wp
+    !> Part of the last change above which a change in a careful pass halves the steps: forces
+    !> alternate between both sides of a jump.
+    real(wp), parameter :: hardly = 0.9_wp
 
 contains
 
@@ -64,7 +67,8 @@ contains
 
         integer :: pass, begun, pivots
         logical :: included(size(position%zones)), done, tangents, last_pass, solved
-        real(wp) :: change, since_update, forces(size(position%zones)), last(size(position%zones))
+        real(wp) :: before, change, since_update, step
+        real(wp), dimension(size(position%zones)) :: forces, last
         type(lumped_system) :: system
 
         if (allocated(start%forces)) then
@@ -105,7 +109,11 @@ contains
             if (.not. solved) call solve_pass(meshes, position, system, .not. (tangents &
                 & .or. last_pass), forces, state, error)
             if (allocated(error)) return
+            before = change
             change = maxval(abs(forces - last))/maxval(forces)
+            if (.not. system%careful) step = 1.0_wp
+            if (system%careful .and. change > hardly*before) step = 0.5_wp*step
+            if (step < 1.0_wp) forces = last + step*(forces - last)
             since_update = since_update + change
             done = last_pass .and. since_update <= settled
             if (done) call extend(bodies, meshes, forces, state%motion, position, included, &
