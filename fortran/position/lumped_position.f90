@@ -34,7 +34,7 @@ module flankload_lumped_position
     !> for as many passes after the former, the ratio of near field and force replaces the
     !> derivative, and the error decreases for flanks of any shape. After both, each pass has all
     !> derivatives, and those of half-widths that jump are rounded.
-    integer, parameter :: newton_passes = 12, max_passes = 60
+    integer, parameter :: newton_passes = 12, max_passes = 120
     !> Relative change of the forces below which gaps are evaluated, below which the next pass has
     !> all derivatives and a certificate (without those of the levers, the error decreases a
     !> thousandfold), and since the last evaluation at convergence: the error is of the order of its

@@ -222,13 +222,18 @@ def test_conforming_flanks_have_no_place() -> None:
         swept("spline", "lumped")
 
 
-@pytest.mark.parametrize("number", [11, 15, 23])
-def test_contacts_at_jumps_of_their_half_widths_settle(number: int) -> None:
+@pytest.mark.parametrize(
+    ("number", "torque"),
+    [(11, 1.0), (15, 1.0), (23, 1.0), (11, 0.967), (11, 0.979), (15, 1.015)],
+)
+def test_contacts_at_jumps_of_their_half_widths_settle(number: int, torque: float) -> None:
     """Internal pairs with a contact that just reaches a corner or another piece of its flank.
 
-    Its forces alternated between both sides, by up to 0.7 %, in 1 to 6 of 128 states each.
+    Its forces alternated between both sides, by up to 20 % of a force, in 1 to 6 of 128 states
+    each.
     """
     _, scene = spatial_scenes(number + 1, seed=7001)[number]
+    scene["load"]["torque_Nm"] *= torque
     beside = {"positions": {"count": 128}, "effects": {"dimension": 3, "contact": "lumped"}}
     accuracy = {"estimate": False, "tangents": False}
     result = fl.solve(fl.Scene.from_dict(scene | beside | {"accuracy": accuracy}))

@@ -25,6 +25,7 @@ import numpy as np
 
 from flankload.base.gauss import leggauss
 from flankload.elasticity.near_field import mode_products, mode_values, to_coefficients
+from flankload.elasticity.sector_closure import made_symmetric
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats
@@ -76,8 +77,14 @@ def _in_modes_of(body: Body, found: BodyCompliance) -> BodyCompliance:
     rim, error = found.rim, found.fe_error
     if rim is not None:
         rim = replace(rim, by_modes=rim.by_modes @ matrix.T, modes=rim.modes @ matrix.T)
+    found = found.with_blocks(lambda blocks: matrix @ blocks @ matrix.T)
+    coast = found.coast
+    if coast is not None:
+        coast = replace(coast, normal=made_symmetric(coast.normal, coast.exchanged)[0])
     return replace(
-        found.with_blocks(lambda blocks: matrix @ blocks @ matrix.T),
+        found,
+        smooth=made_symmetric(found.smooth, found.exchanged)[0],
+        coast=coast,
         modes=replace(old, range_mm=span, tip=tip),
         expansion=found.expansion.with_shifts(lambda shift: shift @ matrix.T),
         root=found.root_under(lambda table: table @ loads),
