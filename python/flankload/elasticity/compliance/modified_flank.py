@@ -44,15 +44,16 @@ def on_modified_flank(found: BodyCompliance, body: Body) -> BodyCompliance:
     Its modes are those of the modified flank, at the same places. With tangential loads, forces
     have the direction of that flank.
     """
+    shift = _shift(body)
     if found.tangential is not None:
-        found = _turned(found, _products(found, body))
+        found = _turned(found, _products(found, body, shift))
     if found.modes.nodes is None:
-        return _in_modes_of(body, found)
-    nodes = _nodes_across(body, found.modes.nodes)
+        return _in_modes_of(body, found, shift)
+    nodes = _nodes_across(body, found.modes.nodes, shift)
     return replace(found, modes=replace(found.modes, range_mm=body.mode_range_mm, nodes=nodes))
 
 
-def _in_modes_of(body: Body, found: BodyCompliance) -> BodyCompliance:
+def _in_modes_of(body: Body, found: BodyCompliance, shift: float) -> BodyCompliance:
     """The compliance in terms of the modes on the modified flank.
 
     Polynomials of the arc length are polynomials of another one that differs by a constant, on any
@@ -64,7 +65,7 @@ def _in_modes_of(body: Body, found: BodyCompliance) -> BodyCompliance:
     points, weights = leggauss(n)
     half = 0.5 * (span[1] - span[0])
     s = span[0] + half * (1.0 + points)
-    before = mode_values(s - _shift(body), old.range_mm, n)
+    before = mode_values(s - shift, old.range_mm, n)
     matrix = np.eye(count)
     moments = mode_values(s, span, n).T @ (half * weights[:, None] * before)
     matrix[:n, :n] = to_coefficients(moments, span)
@@ -86,7 +87,7 @@ def _in_modes_of(body: Body, found: BodyCompliance) -> BodyCompliance:
         smooth=made_symmetric(found.smooth, found.exchanged)[0],
         coast=coast,
         modes=replace(old, range_mm=span, tip=tip),
-        expansion=found.expansion.with_shifts(lambda shift: shift @ matrix.T),
+        expansion=found.expansion.with_shifts(lambda modes: modes @ matrix.T),
         root=found.root_under(lambda table: table @ loads),
         rim=rim,
         fe_error=None if error is None else matrix @ error @ matrix.T,
@@ -127,48 +128,47 @@ def _root(root: RootResponse, products: Floats) -> RootResponse:
     return root.with_each(turned)
 
 
-def _products(found: BodyCompliance, body: Body) -> Floats:
+def _products(found: BodyCompliance, body: Body, shift: float) -> Floats:
     """S (p, p) of the modes of a compliance; of nodes the angles at these."""
     modes, tip = found.modes, found.modes.tip
     if modes.nodes is not None:
-        return np.diag(_angle(body, modes.nodes))
+        return np.diag(_angle(body, modes.nodes, shift))
     low, end = modes.range_mm[0], modes.range_mm[1] if tip is None else tip.end_mm
-    kinks, high = _kinks(body), modes.range_mm[1]
+    kinks, high = _kinks(body) - shift, modes.range_mm[1]
     marks = np.unique([low, *kinks[(kinks > low) & (kinks < high)], high, end])
     points, weights = leggauss(POINTS)
     half = 0.5 * np.diff(marks)[:, None]
     s = (0.5 * (marks[:-1] + marks[1:])[:, None] + half * points).ravel()
     values = mode_values(s, modes.range_mm, found.modes_along, tip=tip)
-    measure = (half * weights).ravel() * _angle(body, s)
+    measure = (half * weights).ravel() * _angle(body, s, shift)
     products = to_coefficients(values.T @ (measure[:, None] * values), modes.range_mm, tip=tip)
     # the loads along a profile are 1/cos(beta_b) of those normal to it
     cosine = modes.axial.cos_base_helix
     return np.asarray(np.kron(cosine * products, np.eye(modes.axial.count)))
 
 
-def _angle(body: Body, s: Floats) -> Floats:
+def _angle(body: Body, s: Floats, shift: float) -> Floats:
     """Angle delta (n,), rad, at arc lengths on the flank of the elements."""
-    normal, tangent = body.curve.normal(_across(body, s)), body.unmodified.curve.tangent(s)
+    normal, tangent = body.curve.normal(_across(body, s, shift)), body.unmodified.curve.tangent(s)
     return np.asarray(np.sum(normal * tangent, axis=1))
 
 
 def _kinks(body: Body) -> Floats:
-    """Arc lengths on the flank of the elements at which parts of the modified flank begin."""
+    """Arc lengths on the modified flank at which its parts begin."""
     labels, breaks = body.curve.labels, body.curve.breaks
-    begins = [breaks[k] for k in range(1, len(labels)) if labels[k] != labels[k - 1]]
-    return np.array(begins) - _shift(body)
+    return np.array([breaks[k] for k in range(1, len(labels)) if labels[k] != labels[k - 1]])
 
 
-def _across(body: Body, s: Floats) -> Floats:
+def _across(body: Body, s: Floats, shift: float) -> Floats:
     """Arc lengths on the modified flank, for those on the flank of the elements."""
     high, first, end = body.unmodified.mode_range_mm[1], body.mode_range_mm[1], body.curve.length_mm
     on_tip = np.interp(s, [high, body.unmodified.curve.length_mm], [first, end])
-    return np.where(s > high, on_tip, np.minimum(s + _shift(body), first))
+    return np.where(s > high, on_tip, np.minimum(s + shift, first))
 
 
-def _nodes_across(body: Body, nodes: Floats) -> Floats:
+def _nodes_across(body: Body, nodes: Floats, shift: float) -> Floats:
     """Nodes (n,) on the modified flank; those at the ends of the flank remain there."""
-    found = _across(body, nodes)
+    found = _across(body, nodes, shift)
     for old, new in zip(body.unmodified.mode_range_mm, body.mode_range_mm, strict=True):
         found[np.abs(nodes - old).argmin()] = new
     return found
