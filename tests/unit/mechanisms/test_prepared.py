@@ -279,7 +279,7 @@ def test_elements_on_unmodified_flanks_change_little(
     assert bits_of_curve(one) == bits_of_curve(two)  # the flank in contact has its relief
     found, expected = fl.solve(scene), with_modified_elements(scene, monkeypatch)
     apart = np.abs(found.transmission_error_um / expected.transmission_error_um - 1.0).max()
-    assert 0.0 < apart < 1.5e-3
+    assert 0.0 < apart < (1e-3 if "effects.near_field" in more else 1e-4)
 
 
 def bits_of_curve(body: Body) -> bytes:
