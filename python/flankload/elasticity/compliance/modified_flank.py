@@ -66,15 +66,16 @@ def _in_modes_of(body: Body, found: BodyCompliance, shift: float) -> BodyComplia
     half = 0.5 * (span[1] - span[0])
     s = span[0] + half * (1.0 + points)
     before = mode_values(s - shift, old.range_mm, n)
-    matrix = np.eye(count)
+    matrix: Floats = np.eye(count)
     moments = mode_values(s, span, n).T @ (half * weights[:, None] * before)
     matrix[:n, :n] = to_coefficients(moments, span)
     if found.root is not None and found.root.range_mm is None:
         # in the plane root stress is that under pressures, whose coefficients are
-        loads = to_coefficients(matrix.T @ mode_products(span, count, tip), old.range_mm, tip=old.tip)
+        moments = matrix.T @ mode_products(span, count, tip)
+        loads = to_coefficients(moments, old.range_mm, tip=old.tip)
     else:
-        loads = np.kron(matrix.T, np.eye(old.axial.count))
-    matrix = np.kron(matrix, np.eye(old.axial.count))
+        loads = np.asarray(np.kron(matrix.T, np.eye(old.axial.count)))
+    matrix = np.asarray(np.kron(matrix, np.eye(old.axial.count)))
     rim, error = found.rim, found.fe_error
     if rim is not None:
         rim = replace(rim, by_modes=rim.by_modes @ matrix.T, modes=rim.modes @ matrix.T)
