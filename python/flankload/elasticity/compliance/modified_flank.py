@@ -70,7 +70,7 @@ def _in_modes_of(body: Body, found: BodyCompliance, shift: float) -> BodyComplia
     moments = mode_values(s, span, n).T @ (half * weights[:, None] * before)
     matrix[:n, :n] = to_coefficients(moments, span)
     if found.root is not None and found.root.range_mm is None:
-        # in the plane root stress is that under pressures, whose coefficients are
+        # in the plane, loads of root stress are coefficients of pressures, else forces
         moments = matrix.T @ mode_products(span, count, tip)
         loads = to_coefficients(moments, old.range_mm, tip=old.tip)
     else:
