@@ -294,8 +294,9 @@ contains
                     & + moment(k)*place%tilt(2)
                 ! the equations must remain definite; without negative terms, forces approach a
                 ! solution from one side
-                if (system%careful .or. .not. linear%matrix(k, k) + added(k, k) + bend > 0.0_wp) &
-                    & bend = max(0.0_wp, bend)
+                if (system%careful .or. linear%matrix(k, k) + added(k, k) + bend <= 0.0_wp) then
+                    bend = max(0.0_wp, bend)
+                end if
                 added(k, k) = added(k, k) + bend
             end associate
         end do

@@ -17,8 +17,8 @@ module flankload_lumped_place
     type :: place_type
         !> Normal force [N]
         real(wp) :: force = 0.0_wp
-        !> Half-widths of the contact on both sides [mm], their derivatives with respect to the force
-        !> [mm/N], and the second ones of rounded half-widths [mm/N**2]
+        !> Half-widths of the contact on both sides [mm], their derivatives with respect to the
+        !> force [mm/N], and the second ones of rounded half-widths [mm/N**2]
         real(wp), dimension(2) :: reach = 0.0_wp, reach_slope = 0.0_wp, reach_bend = 0.0_wp
         !> Pairs at nearly these half-widths, of the last evaluation of the gaps
         type(pair_type) :: ends(2)
