@@ -43,9 +43,6 @@ module flankload_lumped_position
     !> Growth of a force since the last evaluation of its gap above which the gap is evaluated
     !> again: a power law for a small force is inaccurate beyond a nearby corner.
     real(wp), parameter :: many_times = 4.0_wp
-    !> Part of the last change above which a change in a careful pass halves the steps: forces
-    !> alternate between both sides of a jump.
-    real(wp), parameter :: hardly = 0.9_wp
 
 contains
 
@@ -67,7 +64,7 @@ contains
 
         integer :: pass, begun, pivots
         logical :: included(size(position%zones)), done, tangents, last_pass, solved
-        real(wp) :: before, change, since_update, step
+        real(wp) :: change, since_update, step
         real(wp), dimension(size(position%zones)) :: forces, last
         type(lumped_system) :: system
 
@@ -79,6 +76,7 @@ contains
             if (allocated(error)) return
         end if
         system = new_system(position, start, loads, forces)
+        step = 1.0_wp
         do pass = 1, max_passes
             if (size(system%of) /= count(included)) then
                 call couple(bodies, meshes, position, included, system)
@@ -109,11 +107,7 @@ contains
             if (.not. solved) call solve_pass(meshes, position, system, .not. (tangents &
                 & .or. last_pass), forces, state, error)
             if (allocated(error)) return
-            before = change
-            change = maxval(abs(forces - last))/maxval(forces)
-            if (.not. system%careful) step = 1.0_wp
-            if (system%careful .and. change > hardly*before) step = 0.5_wp*step
-            if (step < 1.0_wp) forces = last + step*(forces - last)
+            call take_step(system%careful, last, forces, change, step)
             since_update = since_update + change
             done = last_pass .and. since_update <= settled
             if (done) call extend(bodies, meshes, forces, state%motion, position, included, &
@@ -124,6 +118,30 @@ contains
         if (done) call finish(meshes, position, system, state)
         if (.not. allocated(error)) start = start_from(position, system, forces)
     end subroutine solve_lumped
+
+    !> Compare the forces of a pass with the last ones, and shorten careful steps that alternate.
+    pure subroutine take_step(careful, last, forces, change, step)
+        !> True for a careful pass
+        logical, intent(in) :: careful
+        !> Last forces [N], shape (zones), and those of the pass
+        real(wp), intent(in) :: last(:)
+        real(wp), intent(inout) :: forces(:)
+        !> Relative change in the last pass, and in this one; part of it that is taken
+        real(wp), intent(inout) :: change
+        real(wp), intent(inout) :: step
+
+        !> Part of the last change above which a change shows that forces alternate between both
+        !> sides of a jump
+        real(wp), parameter :: hardly = 0.9_wp
+        real(wp) :: before
+
+        before = change
+        change = maxval(abs(forces - last))/maxval(forces)
+        step = merge(step, 1.0_wp, careful)
+        if (.not. careful) return
+        if (change > hardly*before) step = 0.5_wp*step
+        if (step < 1.0_wp) forces = last + step*(forces - last)
+    end subroutine take_step
 
     !> Evaluate the contacts under other forces, or follow these by powers; neither if the forces
     !> have hardly changed since the last evaluation.
