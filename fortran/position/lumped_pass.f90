@@ -45,6 +45,8 @@ module flankload_lumped_pass
         real(wp), allocatable :: released(:, :)
         !> True for passes with all derivatives, of which those of half-widths do not jump
         logical :: careful = .false.
+        !> Part of the change of the forces that a careful pass takes
+        real(wp) :: step = 1.0_wp
     end type lumped_system
 
     !> Linearized equations of the contacts considered.

@@ -64,7 +64,7 @@ contains
 
         integer :: pass, begun, pivots
         logical :: included(size(position%zones)), done, tangents, last_pass, solved
-        real(wp) :: change, since_update, step
+        real(wp) :: change, since_update
         real(wp), dimension(size(position%zones)) :: forces, last
         type(lumped_system) :: system
 
@@ -76,7 +76,6 @@ contains
             if (allocated(error)) return
         end if
         system = new_system(position, start, loads, forces)
-        step = 1.0_wp
         do pass = 1, max_passes
             if (size(system%of) /= count(included)) then
                 call couple(bodies, meshes, position, included, system)
@@ -107,7 +106,7 @@ contains
             if (.not. solved) call solve_pass(meshes, position, system, .not. (tangents &
                 & .or. last_pass), forces, state, error)
             if (allocated(error)) return
-            call take_step(system%careful, last, forces, change, step)
+            call take_step(last, forces, change, system)
             since_update = since_update + change
             done = last_pass .and. since_update <= settled
             if (done) call extend(bodies, meshes, forces, state%motion, position, included, &
@@ -120,15 +119,14 @@ contains
     end subroutine solve_lumped
 
     !> Compare the forces of a pass with the last ones, and shorten careful steps that alternate.
-    pure subroutine take_step(careful, last, forces, change, step)
-        !> True for a careful pass
-        logical, intent(in) :: careful
+    pure subroutine take_step(last, forces, change, system)
         !> Last forces [N], shape (zones), and those of the pass
         real(wp), intent(in) :: last(:)
         real(wp), intent(inout) :: forces(:)
-        !> Relative change in the last pass, and in this one; part of it that is taken
+        !> Relative change in the last pass, and in this one
         real(wp), intent(inout) :: change
-        real(wp), intent(inout) :: step
+        !> Lumped contacts; the step of careful passes is updated
+        type(lumped_system), intent(inout) :: system
 
         !> Part of the last change above which a change shows that forces alternate between both
         !> sides of a jump
@@ -137,10 +135,9 @@ contains
 
         before = change
         change = maxval(abs(forces - last))/maxval(forces)
-        step = merge(step, 1.0_wp, careful)
-        if (.not. careful) return
-        if (change > hardly*before) step = 0.5_wp*step
-        if (step < 1.0_wp) forces = last + step*(forces - last)
+        if (.not. system%careful) return
+        if (change > hardly*before) system%step = 0.5_wp*system%step
+        if (system%step < 1.0_wp) forces = last + system%step*(forces - last)
     end subroutine take_step
 
     !> Evaluate the contacts under other forces, or follow these by powers; neither if the forces
