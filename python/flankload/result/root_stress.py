@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from flankload.base.blas_threads import one_blas_thread
 from flankload.base.card import Card
 from flankload.base.gauss import leggauss
 from flankload.base.read_only import KeepsReadOnly
@@ -234,6 +235,7 @@ def root_stress(
     )
 
 
+@one_blas_thread()
 def stress_by_slice(reading: RootReading, loads: Floats) -> Floats:
     """Stress (P, S, J, q) under loads of the modes (P, S, p); J = 1 in a plane scene."""
     # of all loaded teeth (p i q …); zeros without a sign
