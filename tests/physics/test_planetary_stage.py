@@ -355,6 +355,22 @@ def test_numbers_of_a_published_stage():
     assert surviving_order(pairing.count, pairing.teeth[0]) == 3
 
 
+def test_a_relieved_ring_on_bolts(monkeypatch):
+    """Elements that follow the flank without reliefs move the rim as those of the relieved one."""
+    scene = scene_of(
+        positions={"count": 2},
+        body_2={"tip_relief_um": 30, "tip_relief_start_diameter_mm": 175.5},
+        stage={"ring_support": "bolts", "bolts": 12, "bolt_stiffness_N_per_um": 20},
+    )
+    found = fl.solve(scene)
+    monkeypatch.setattr("flankload.mechanisms.scene_bodies.unmodified", lambda table: table)
+    expected = fl.solve(scene)
+    # 0.06, 2 and 70 % with the normals of the flank without reliefs
+    for name, apart in (("transmission_error", 1e-4), ("ring_deflection", 1e-3), ("ring_orbit", 0.02)):
+        one, two = (getattr(result, f"{name}_um") for result in (found, expected))
+        assert np.abs(one - two).max() < apart * np.abs(two).max()
+
+
 def test_a_ring_on_bolts():
     """Stiff bolts behind all teeth are nearly a clamp; soft ones move by the force on the ring."""
     keys = {"floating": "none", "pin_tangential_errors_um": [20, 0, 0, 0], "ring_support": "bolts"}

@@ -322,11 +322,13 @@ class BodyCompliance:
         """The compliance without friction, in arrays of its own; `turns`: forces turn over tips."""
         if self.tangential is None:
             return self
-        p, root = self.smooth.shape[1], self.root
+        p, root, rim = self.smooth.shape[1], self.root, self.rim
         if root is not None:
             root = root.with_each(lambda part: part[..., :p].copy())
+        if rim is not None:
+            rim = rim.with_loads(lambda part: part[..., :p].copy())
         if turns:
-            return replace(self, along=None, root=root)
+            return replace(self, along=None, root=root, rim=rim)
         return replace(
             self,
             smooth=self.smooth.copy(),
@@ -336,6 +338,7 @@ class BodyCompliance:
             along=None,
             coast=None if self.coast is None else CoastCompliance(self.coast.normal.copy()),
             root=root,
+            rim=rim,
         )
 
     def apart(self, apart: Flags, block: Numbers) -> tuple[BodyCompliance, Numbers]:

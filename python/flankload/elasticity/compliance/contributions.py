@@ -201,11 +201,11 @@ class RimResponse:
     ----------
     by_modes : (z, r, p) array
         [t] maps the modes of tooth 0 to the displacements of sector t, in its frame; mm²/N, with a
-        width mm/N.
+        width mm/N. With tangential loads followed by as many tangential modes.
     by_forces : (z, r, r) array
         The same of the forces on the rim of sector 0.
     modes : (3, p) array
-        Resultant of the modes of tooth 0: forces along the axes of its frame, and moment, mm.
+        Resultant of these modes: forces along the axes of the frame of tooth 0, and moment, mm.
     forces : (3, r) array
         Resultant of the forces on the rim of sector 0.
     """
@@ -214,6 +214,10 @@ class RimResponse:
     by_forces: Floats
     modes: Floats
     forces: Floats
+
+    def with_loads(self, change: Callable[[Floats], Floats]) -> RimResponse:
+        """The response to other loads on the flanks: `change` maps the tables of modes."""
+        return replace(self, by_modes=change(self.by_modes), modes=change(self.modes))
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,8 +77,6 @@ def _in_modes_of(body: Body, found: BodyCompliance, shift: float) -> BodyComplia
         loads = np.asarray(np.kron(matrix.T, np.eye(old.axial.count)))
     matrix = np.asarray(np.kron(matrix, np.eye(old.axial.count)))
     rim, error = found.rim, found.fe_error
-    if rim is not None:
-        rim = replace(rim, by_modes=rim.by_modes @ matrix.T, modes=rim.modes @ matrix.T)
     found = found.with_blocks(lambda blocks: matrix @ blocks @ matrix.T)
     coast = found.coast
     if coast is not None:
@@ -90,7 +88,7 @@ def _in_modes_of(body: Body, found: BodyCompliance, shift: float) -> BodyComplia
         modes=replace(old, range_mm=span, tip=tip),
         expansion=found.expansion.with_shifts(lambda modes: modes @ matrix.T),
         root=found.root_under(lambda table: table @ loads),
-        rim=rim,
+        rim=None if rim is None else rim.with_loads(lambda table: table @ matrix.T),
         fe_error=None if error is None else matrix @ error @ matrix.T,
     )
 
@@ -114,7 +112,10 @@ def _turned(found: BodyCompliance, products: Floats) -> BodyCompliance:
         exchanged = half[coast.exchanged].transpose(0, 2, 1)
         coast = replace(coast, normal=coast.normal + (half + exchanged))
     root = None if found.root is None else _root(found.root, products)
-    return replace(found, smooth=smooth, coast=coast, root=root)
+    rim, p = found.rim, len(products)
+    if rim is not None:
+        rim = rim.with_loads(lambda table: table[..., :p] + table[..., p:] @ products.T)
+    return replace(found, smooth=smooth, coast=coast, root=root, rim=rim)
 
 
 def _root(root: RootResponse, products: Floats) -> RootResponse:

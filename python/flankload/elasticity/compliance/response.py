@@ -199,13 +199,13 @@ def _by_unknown(columns: Floats) -> Floats:
 
 def _rim(job: Job, mesh: SectorMesh, response: Floats, loads: list[Floats]) -> RimResponse:
     """Displacements of a rim from the response to loads on the flank, then the forces on it."""
-    modes, n = job.loads, job.loads.count
-    rim = slice(loads[0].shape[2], loads[0].shape[2] + loads[1].shape[2])
+    modes, q = job.loads, loads[0].shape[2]
+    rim = slice(q, q + loads[1].shape[2])
     moments, forces = (resultants(mesh.nodes, job.section, part) for part in loads[:2])
     return RimResponse(
-        by_modes=modes.by_coefficients(response[:, rim, :n]),
+        by_modes=modes.by_coefficients(response[:, rim, :q]),
         by_forces=response[:, rim, rim],
-        modes=modes.by_coefficients(moments[None, :, :n])[0],
+        modes=modes.by_coefficients(moments[None])[0],
         forces=forces,
     )
 
