@@ -13,11 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from flankload.analysis.load_factors import (
-    line_loads,
-    loads_over_period,
-    relative_loads,
-)
+from flankload.analysis.load_factors import line_loads, loads_over_period, relative_loads
 from flankload.contact.status import on_corner
 
 if TYPE_CHECKING:
@@ -143,6 +139,15 @@ class RemainingError(NamedTuple):
 def mean_stiffness(softness: Floats) -> Floats | None:
     """Inverse of rotation over torque; None if it is unknown at a position."""
     return 1.0 / softness if (softness > 0).all() else None
+
+
+def stiffnesses(part: Sweep) -> dict[str, Floats]:
+    """Stiffnesses (P,) of a sweep that are known at all positions, by quantity."""
+    every = {
+        "stiffness_secant": mean_stiffness(part.turned_rad),
+        "stiffness_tangent": mean_stiffness(part.tangent_rad_per_Nmm),
+    }
+    return {name: values for name, values in every.items() if values is not None}
 
 
 def remaining_errors(

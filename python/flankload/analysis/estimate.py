@@ -106,13 +106,8 @@ COMPARED_ON_CORNERS = "on a sharp corner in the runs that it is compared with"
 BETWEEN = "peaks between adaptive positions have no estimate (positions.count has one)"
 #: Reason for quantities without the error of a source.
 MISSING = "states of the comparison do not converge: {}"
-#: Largest number of sweeps of an estimate.
+#: Largest number of sweeps of an estimate: coarser cells, modes, elements.
 MOST_SWEEPS = 3
-
-
-def n_sweeps(*, lumped: bool, elements: bool, variants: int = 0) -> int:
-    """Number of sweeps: coarser cells (lumped contacts have none), modes, elements, variants."""
-    return MOST_SWEEPS - lumped - (not elements) + variants
 
 
 @dataclass(frozen=True)
@@ -259,11 +254,11 @@ def estimate_errors(
     unknown = [source for source in variants if source not in others]
     estimates = []
     for t, (whole, part) in enumerate(zip(found, some, strict=True)):
-        errors: dict[str, dict[str, RemainingError]] = {}
-        if lumped is None:
-            errors |= _of_cells(part, coarse[t], weights)
-        else:
-            errors["lumped"] = lumped(t)
+        errors = (
+            {"strips": _of_cells(part, coarse[t], weights)}
+            if lumped is None
+            else {"lumped": lumped(t)}
+        )
         missing = ", ".join([*unknown, *(source for source in errors if not errors[source])])
         each = {source: other[t] for source, other in others.items()}
         of_modes = _rule_of_modes(part, compliances)
@@ -330,14 +325,14 @@ def _on_tip(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> bool:
     )
 
 
-def _of_cells(part: Sweep, coarse: Sweep, weights: Floats) -> dict[str, dict[str, RemainingError]]:
+def _of_cells(part: Sweep, coarse: Sweep, weights: Floats) -> dict[str, RemainingError]:
     errors = remaining_errors(STRIPS, part, part, coarse, weights)
     errors["peak_pressure"] = peak_of_cells(part, coarse)
     # a relative error of the rotation that is the same at all torques is also that of its
     # derivative
     if "stiffness_secant" in errors:
         errors["stiffness_tangent"] = errors["stiffness_secant"]
-    return {"strips": errors}
+    return errors
 
 
 def _of_compliances(

@@ -16,13 +16,9 @@ from flankload.analysis.error_rules import (
     LINE_FACTOR,
     PEAK_LINE,
     RemainingError,
-    mean_stiffness,
+    stiffnesses,
 )
-from flankload.analysis.load_factors import (
-    face_load_factor,
-    largest_line_loads,
-    line_load_factors,
-)
+from flankload.analysis.load_factors import face_load_factor, largest_line_loads, line_load_factors
 from flankload.contact.sweep import join_sweeps
 
 if TYPE_CHECKING:
@@ -68,18 +64,11 @@ def beside_more_positions(
 def _over_period(part: Sweep) -> dict[str, float]:
     """Values over evenly spaced positions, by quantity."""
     even = np.full(part.status.size, 1.0 / part.status.size)
-    values = {
+    return {
         "transmission_error_mean": float(part.rotation_rad.mean()),
         "transmission_error_peak_to_peak": float(np.ptp(part.rotation_rad)),
         PEAK_LINE: float(largest_line_loads(part).max()),
         LINE_FACTOR: float(line_load_factors(part).max()),
         FACE_LOAD: face_load_factor(part, even),
+        **{name: float(values.mean()) for name, values in stiffnesses(part).items()},
     }
-    for name, softness in (
-        ("stiffness_secant", part.turned_rad),
-        ("stiffness_tangent", part.tangent_rad_per_Nmm),
-    ):
-        stiffness = mean_stiffness(softness)
-        if stiffness is not None:
-            values[name] = float(stiffness.mean())
-    return values

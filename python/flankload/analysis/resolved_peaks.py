@@ -8,28 +8,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from flankload.base.arrays import Flags
     from flankload.contact.sweep import Sweep
     from flankload.elasticity.compliance import BodyCompliance
 
 
 def with_resolved_peaks(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> Sweep:
-    """The sweep without the pressures of contacts near ends of flanks, which have no estimate."""
-    peaks = np.where(_at_ends(part, compliances), 0.0, part.site_peak_N_per_mm)
-    return replace(part, site_peak_N_per_mm=peaks)
-
-
-def _at_ends(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> Flags:
-    """Sites (P, S) of a plane sweep whose peak pressure lies where modes do not resolve it.
+    """The sweep without the pressures of contacts near ends of flanks, which have no estimate.
 
     Polynomials of degree n change within 1/n² of the ends of a flank. Beyond it, on a rounding or
-    a chamfer, modes converge slowly on what is much shorter than an element. None of several gear
-    meshes, of whose sites the sweep has sums only.
+    a chamfer, modes converge slowly on what is much shorter than an element. Unchanged with a width
+    and for several gear meshes, of whose sites the sweep has sums only.
     """
     pairs, found = part.pairs, np.zeros_like(part.site_force_N, dtype=bool)
     several = len(compliances) > 2 or pairs.sites.max(initial=0) >= len(found.T)
     if several or not part.slices.plane:
-        return found
+        return part
     position, sites = pairs.position, pairs.sites
     pressure = pairs.column("force") / pairs.column("cell")
     peaks = np.zeros(found.shape)
@@ -44,4 +37,4 @@ def _at_ends(part: Sweep, compliances: tuple[BodyCompliance, ...]) -> Flags:
         s = pairs.column(f"s_{z + 1}")
         near = highest & ((s < low + reach) | (s > high - reach))
         found[position[near], sites[near]] = True
-    return found
+    return replace(part, site_peak_N_per_mm=np.where(found, 0.0, part.site_peak_N_per_mm))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flankload.analysis.adaptive_positions import overshoot
-from flankload.analysis.error_rules import RemainingError, mean_stiffness
+from flankload.analysis.error_rules import RemainingError, stiffnesses
 
 if TYPE_CHECKING:
     from flankload.analysis.adaptive_positions import Window
@@ -69,16 +69,12 @@ def between_positions(
         mean = window.curve_of(position_rad, values, changes).mean() if adaptive else values.mean()
         missed = mean - curve.mean()
         open_kinks = curve.doubt_integrals()[kinks].sum() / curve.length
-        doubts = (
-            DOUBT_MEAN * missed,
-            DOUBT_KINKS * open_kinks,
-            HIDDEN_ROTATION * hidden * mean,
-        )
+        doubts = DOUBT_MEAN * missed, DOUBT_KINKS * open_kinks, HIDDEN_ROTATION * hidden * mean
         return RemainingError.relative(missed, float(np.linalg.norm(doubts)), mean)
 
     found = {"transmission_error_mean": of_mean(rotation, through, changes)}
-    secant = mean_stiffness(part.turned_rad)
-    if secant is not None:
+    known = stiffnesses(part)
+    if (secant := known.get("stiffness_secant")) is not None:
         kinks = changes
         if part.unloaded is not None:
             kinks = changes | window.changes(part.unloaded.touches)
@@ -90,8 +86,7 @@ def between_positions(
     soft = not part.slices.plane or not changes.any()
     smooth = window.curve_of(position_rad, rotation, np.zeros_like(changes)) if soft else None
     found["transmission_error_peak_to_peak"] = _of_peak_to_peak(rotation, through, smooth)
-    tangent = mean_stiffness(part.tangent_rad_per_Nmm)
-    if tangent is not None:
+    if (tangent := known.get("stiffness_tangent")) is not None:
         missed, doubt = _steps(tangent, position_rad, through, changes)
         mean = tangent.mean()
         doubt = float(np.hypot(doubt, HIDDEN * hidden * mean))
@@ -122,14 +117,9 @@ def _open_window(part: Sweep) -> dict[str, RemainingError]:
     if rotation.size < LEAST_OPEN:
         return {}
     found = {}
-    for name, values in (
-        ("transmission_error_mean", rotation),
-        ("stiffness_secant", mean_stiffness(part.turned_rad)),
-        ("stiffness_tangent", mean_stiffness(part.tangent_rad_per_Nmm)),
-    ):
-        if values is not None:
-            missed = 0.5 * (values[0] - _next(values)) / values.size
-            found[name] = RemainingError.relative(missed, abs(missed), values.mean())
+    for name, values in {"transmission_error_mean": rotation, **stiffnesses(part)}.items():
+        missed = 0.5 * (values[0] - _next(values)) / values.size
+        found[name] = RemainingError.relative(missed, abs(missed), values.mean())
     missed = float(np.ptp(rotation) - np.ptp([*rotation, _next(rotation)]))
     between = 0.5 * float(np.abs(np.diff(rotation, 2)).max())
     found["transmission_error_peak_to_peak"] = RemainingError.relative(

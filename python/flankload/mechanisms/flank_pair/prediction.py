@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from flankload.analysis.deciding_positions import n_deciding
-from flankload.analysis.estimate import n_sweeps
+from flankload.analysis.estimate import MOST_SWEEPS
 from flankload.bodies.body import SectorMesh, WholeMesh
 from flankload.bodies.tip_modes import with_tip
 from flankload.cost import held_bytes
@@ -33,19 +33,14 @@ if TYPE_CHECKING:
 
     from flankload.elasticity.prism import Prism
     from flankload.mechanisms.elements import ElasticBodies
-    from flankload.pairing.body_pair import BodyJob, BodyPair
+    from flankload.pairing.body_pair import BodyPair
     from flankload.scene import Scene
     from flankload.scene.effects import Effects
 
 #: Bytes of a number.
 WORD = 8
 #: Further counters of the elements of a body.
-FURTHER = (
-    "fe_load_cases_growth",
-    "bore_reactions",
-    "stress_recoveries",
-    "coast_readings",
-)
+FURTHER = ("fe_load_cases_growth", "bore_reactions", "stress_recoveries", "coast_readings")
 #: Unit forces on a rim for each polynomial over the width, counted as normal loads.
 RIM_LOADS = 2
 #: Further sweeps of the estimate of three-dimensional bodies: degrees along the axis, slices.
@@ -112,7 +107,10 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     named = counted_loads(found, asked=asked)
     if job.rim:  # its response is part of larger arrays
         return named
-    counted = _without_unasked(found, job, pair.effects)
+    # responses to the tangential loads of modified flanks are not held
+    counted = found
+    if not holds_tangential(job, pair.effects):
+        counted = found | {"unit_loads_tangential": 0}
     friction = asks_tangential(pair.effects) is not None
     along = pair.effects.friction and pair.effects.finite_influence
     held = columns.bytes(body.mesh, counted, along=along, friction=friction)
@@ -120,21 +118,11 @@ def work_of_elements(scene: Scene, pair: ElasticBodies, z: int, name: str) -> di
     return named | {"bytes": held + points}
 
 
-def _without_unasked(counted: dict[str, int], job: BodyJob, effects: Effects) -> dict[str, int]:
-    """Counters without the tangential loads of modified flanks, whose responses are not held."""
-    return counted if holds_tangential(job, effects) else counted | {"unit_loads_tangential": 0}
-
-
-def elements_estimated(pair: BodyPair) -> tuple[int, ...]:
-    """Bodies (0, 1) for which the estimate includes the discretization error of their elements.
-
-    Empty for nodal tables: there, fewer nodes give the error of both bodies.
-    """
-    return tuple(z for z in (0, 1) if _is_estimated(pair, z))
-
-
 def _is_estimated(pair: ElasticBodies, z: int) -> bool:
-    """Whether the discretization error of the elements of a body is estimated."""
+    """Whether the discretization error of the elements of a body is estimated.
+
+    Not with nodal tables: there, fewer nodes give the error of both bodies.
+    """
     elastic = pair.jobs[z].elastic and pair.bodies[z].mesh is not None
     return elastic and not pair.effects.nodal_near_field
 
@@ -232,32 +220,23 @@ def slice_variants(effects: Effects) -> int:
 
 def estimate_sweeps(pair: BodyPair) -> int:
     """Number of sweeps of the error estimate."""
-    return n_sweeps(
-        lumped=pair.effects.lumped_contact,
-        elements=bool(elements_estimated(pair)),
-        variants=slice_variants(pair.effects),
-    )
-
-
-def states_of(scene: Scene, pair: BodyPair) -> dict[str, int]:
-    """Number of states at each position, by stage: later ones only under a torque."""
-    loaded = sum(torque > 0 for torque in scene.torques_Nm)
-    states = {"sweep": len(scene.torques_Nm)}
-    if scene.accuracy.estimate:
-        states["estimate"] = estimate_sweeps(pair) * loaded
-    return states
+    elements = any(_is_estimated(pair, z) for z in (0, 1))
+    sweeps = MOST_SWEEPS - pair.effects.lumped_contact - (not elements)
+    return sweeps + slice_variants(pair.effects)
 
 
 def _sweeps(scene: Scene, pair: BodyPair) -> dict[str, dict[str, int]]:
     """States of the sweep, and of later sweeps if a torque loads the pair."""
-    states = states_of(scene, pair)
+    sweeps, loaded = estimate_sweeps(pair), sum(torque > 0 for torque in scene.torques_Nm)
+    states = {"sweep": len(scene.torques_Nm)}  # at each position
+    if scene.accuracy.estimate:
+        states["estimate"] = sweeps * loaded
     slices = {}
     if not pair.slices.plane:
         slices["sweep"] = pair.slices.count * states["sweep"]
-        if "estimate" in states:  # one of its sweeps has others
-            sweeps = estimate_sweeps(pair)
-            count = (sweeps - 1) * pair.slices.count + pair.slices.compared().count
-            slices["estimate"] = count * (states["estimate"] // sweeps)
+        # one of the sweeps of the estimate has others
+        count = (sweeps - 1) * pair.slices.count + pair.slices.compared().count
+        slices["estimate"] = count * loaded
     lumped = pair.effects.lumped_contact
     none: dict[str, int] = {}
     if lumped:
