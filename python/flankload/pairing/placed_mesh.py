@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
+    from flankload.pairing.gear_pair import GearGeometry
 
 
 @dataclass(frozen=True)
@@ -69,11 +70,15 @@ class PlacedMesh:
         return np.asarray(vectors[..., :1] * along + self.sense * vectors[..., 1:] * across)
 
     @property
+    def gears(self) -> GearGeometry:
+        """Geometry of its gears, whose flanks are all involutes."""
+        assert self.pairing.gear_geometry is not None
+        return self.pairing.gear_geometry
+
+    @property
     def push(self) -> Floats:
         """(2,) Direction of the force of body 1 on body 2 on the line of action."""
-        gears = self.pairing.gear_geometry
-        assert gears is not None
-        alpha = gears.pressure_angle_rad
+        alpha = self.gears.pressure_angle_rad
         # flanks of a body within a ring meet on the other side of its axis
         side = np.sign(self.pairing.ratio)
         return self.in_common_frame(side * np.array([sin(alpha), cos(alpha)]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,27 +100,34 @@ class PairTable(PairPlaces):
         return {name: column for name, column in every.items() if column is not None}
 
 
-class PairTables(Sequence[PairTable]):
-    """The pair tables of all positions; `table_of` creates that of a position when it is read."""
+T = TypeVar("T")
 
-    def __init__(self, count: int, table_of: Callable[[int], PairTable]) -> None:
+
+class MadeWhenRead(Sequence[T]):
+    """A sequence whose items are made by `item_of` when they are read."""
+
+    def __init__(self, count: int, item_of: Callable[[int], T]) -> None:
         self._count = count
-        self._table_of = table_of
+        self._item_of = item_of
 
     def __len__(self) -> int:
         return self._count
 
     @overload
-    def __getitem__(self, index: int) -> PairTable: ...
+    def __getitem__(self, index: int) -> T: ...
 
     @overload
-    def __getitem__(self, index: slice) -> Sequence[PairTable]: ...
+    def __getitem__(self, index: slice) -> Sequence[T]: ...
 
-    def __getitem__(self, index: int | slice) -> PairTable | Sequence[PairTable]:
+    def __getitem__(self, index: int | slice) -> T | Sequence[T]:
         which = range(self._count)[index]
         if isinstance(which, range):
-            return tuple(self._table_of(p) for p in which)
-        return self._table_of(which)
+            return tuple(self._item_of(n) for n in which)
+        return self._item_of(which)
+
+
+class PairTables(MadeWhenRead[PairTable]):
+    """The pair tables of all positions."""
 
 
 class DrawnBody(NamedTuple):

@@ -80,10 +80,6 @@ class TwoMeshes(Drive):
         """The train in the form of the JSON result."""
         return {name: value for name, value in vars(self).items() if name != "meshes"}
 
-    def drawn_force(self, result: Result, p: int, s: int) -> tuple[float, float, float]:
-        """Sum of the forces of a mesh on its driven body, at the mean of their places."""
-        return super().drawn_force(result, p, s)
-
     def own_pictures(self, result: Result) -> tuple[str, ...]:
         several = result.position_rad.size > 1
         return ("gear_train", *("transmission_error",) * several)

@@ -109,7 +109,7 @@ def _summary(results: Sequence[Result]) -> Iterator[Row]:
         ("", [result.summary for result in results]),
         ("estimated error: ", [result.estimate or {} for result in results]),
     ):
-        rows = [dict(by_path(values, _item)) for values in of_results]
+        rows = [dict(by_path(values, lambda n: f" {n + 1}")) for values in of_results]
         for key in dict.fromkeys(key for row in rows for key in row):
             yield [f"{part}{key}", *(row.get(key) for row in rows)]
     yield []
@@ -119,10 +119,6 @@ def _summary(results: Sequence[Result]) -> Iterator[Row]:
     for text in dict.fromkeys(text for result in results for text in result.warnings):
         concerned = ["yes" if text in result.warnings else None for result in results]
         yield [text, *concerned]
-
-
-def _item(n: int) -> str:
-    return f" {n + 1}"
 
 
 def _quantities(results: Sequence[Result]) -> Iterator[tuple[str, list[Row]]]:

@@ -248,6 +248,15 @@ def _rows_of_pair(scene: Scene, pair: BodyPair) -> Iterator[SheetRow]:
             yield SheetRow(name, symbol, f"{value:g} µm/mm")
 
 
+def rows_of_mesh(gears: GearGeometry, which: str) -> tuple[SheetRow, SheetRow]:
+    """Rows of one gear mesh among several; `which` one, in words."""
+    angle = _deg(gears.pressure_angle_rad)
+    return (
+        SheetRow(f"working pressure angle {which}", "α_wt", angle),
+        SheetRow(f"contact ratio {which}", "ε_α", f"{gears.contact_ratio:.4f}"),
+    )
+
+
 def _gear_rows(pair: BodyPair, gears: GearGeometry) -> Iterator[SheetRow]:
     one, two = pair.bodies
     yield SheetRow("gear ratio", "u", f"{two.teeth}/{one.teeth} = {two.teeth / one.teeth:.4f}")

@@ -23,10 +23,7 @@ from flankload.contact.status import on_corner
 from flankload.contact.sweep import join_sweeps, known_contacts, sweep
 from flankload.cost import Account, held_bytes
 from flankload.errors import ContactError
-from flankload.mechanisms.elements import (
-    account_errors_of_elements,
-    variants_of,
-)
+from flankload.mechanisms.elements import account_errors_of_elements, variants_of
 from flankload.mechanisms.flank_pair.assembly import build_bodies, with_flank_distance
 from flankload.mechanisms.flank_pair.from_sweep import pair_tables
 from flankload.mechanisms.flank_pair.premises import blame_load

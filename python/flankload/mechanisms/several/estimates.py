@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from flankload.analysis.deciding_positions import deciding_positions, n_deciding
 from flankload.analysis.estimate import OF_WIDTH, estimate_errors
@@ -16,16 +14,11 @@ from flankload.analysis.more_positions import beside_more_positions, more_positi
 from flankload.contact.meshes_contact import sweep_meshes
 from flankload.contact.sweep import join_sweeps
 from flankload.errors import ContactError
-from flankload.mechanisms.elements import (
-    account_errors_of_elements,
-    variants_of,
-)
+from flankload.mechanisms.elements import account_errors_of_elements, variants_of
 from flankload.result.position_order import order_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
 
     from flankload.analysis.error_rules import RemainingError
     from flankload.base.arrays import Floats, Numbers
@@ -84,7 +77,7 @@ def error_estimates(
             run_again,
             compliances,
             grid if lumped else grid.coarser(),
-            weights_of(assembly, at),
+            cells.weights,
             variants=variants,
             at=at,
             slices_ratio=ratio,
@@ -93,58 +86,52 @@ def error_estimates(
         )
         found: list[dict[str, object]] = [one.as_dict() for one in estimated]
         if not plane:
-            for t, of_meshes in enumerate(
-                _of_meshes(assembly, states, variants, reduced, cells, positions, ratio)
-            ):
-                found[t][OF_MESHES] = of_meshes
+            loaded = [t for t, one in enumerate(whole) if one.torque_Nmm > 0]
+            every = [
+                _of_mesh(m, loaded, states, variants, reduced, cells, positions, ratio)
+                for m in range(len(assembly.slices) if loaded else 0)
+            ]
+            for t, one in enumerate(found):
+                one[OF_MESHES] = tuple(mesh[t] for mesh in every) if t in loaded else ()
     account_errors_of_elements(clock, assembly.names, compliances)
     return list(found)
 
 
-def _of_meshes(
-    assembly: AnyAssembly,
+def _of_mesh(
+    m: int,
+    loaded: Sequence[int],
     states: MeshesStates,
     variants: Variants,
     reduced: Mapping[int, Sequence[MeshesSweep]],
     cells: _BesideCells,
     positions: _BesideMore,
     ratio: float,
-) -> list[tuple[Mapping[str, object], ...]]:
-    """Estimates of the meshes under each torque; empty without torque."""
-    contact, weights = states.contact, weights_of(assembly, cells.at)
-    found: list[tuple[Mapping[str, object], ...]] = [()] * len(states.found)
-    loaded = [t for t, one in enumerate(states.found) if one.whole.torque_Nmm > 0]
-    for m, mesh in enumerate(contact.pairing.meshes if loaded else ()):
-        own = [contact.compliances[contact.pairing.tables[b]] for b in mesh.members]
-        estimated = estimate_errors(
-            tuple(states.found[t].meshes[m] for t in loaded),
-            partial(_again, reduced, loaded, m),
-            tuple(own),
-            contact.grid,
-            weights,
-            variants=variants,
-            at=cells.at,
-            slices_ratio=ratio,
-            lumped=partial(cells.of_mesh, m, loaded) if contact.level == "lumped" else None,
-            sources={"positions": partial(positions.errors, m=m)},
-        )
-        for t, one in zip(loaded, estimated, strict=True):
-            found[t] = (*found[t], one.as_dict())
-    return found
+) -> dict[int, dict[str, object]]:
+    """Estimates of a mesh by torque, for those that are `loaded`."""
+    contact = states.contact
 
+    def again(*, part: int, **other: Any) -> tuple[Sweep, ...]:
+        """Sweeps of the mesh in the reduced sweep of the drive with this number."""
+        if part not in reduced:
+            raise ContactError("the reduced sweep of the drive does not converge")
+        return tuple(reduced[part][t].meshes[m] for t in loaded)
 
-def _again(
-    reduced: Mapping[int, Sequence[MeshesSweep]],
-    loaded: Sequence[int],
-    m: int,
-    *,
-    part: int,
-    **other: Any,
-) -> tuple[Sweep, ...]:
-    """Sweeps of a mesh in the reduced sweep of the drive with this number."""
-    if part not in reduced:
-        raise ContactError("the reduced sweep of the drive does not converge")
-    return tuple(reduced[part][t].meshes[m] for t in loaded)
+    estimated = estimate_errors(
+        tuple(states.found[t].meshes[m] for t in loaded),
+        again,
+        tuple(
+            contact.compliances[contact.pairing.tables[b]]
+            for b in contact.pairing.meshes[m].members
+        ),
+        contact.grid,
+        cells.weights,
+        variants=variants,
+        at=cells.at,
+        slices_ratio=ratio,
+        lumped=(lambda i: cells.errors(loaded[i], m)) if contact.level == "lumped" else None,
+        sources={"positions": lambda part: positions.errors(part, m)},
+    )
+    return {t: one.as_dict() for t, one in zip(loaded, estimated, strict=True)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +140,12 @@ class _BesideCells:
 
     assembly: AnyAssembly
     states: MeshesStates
-    at: NDArray[np.int64]
+    at: Numbers
+
+    @cached_property
+    def weights(self) -> Floats:
+        """(n,) Parts of these positions in means over the period."""
+        return weights_of(self.assembly, self.at)
 
     @cached_property
     def found(self) -> tuple[MeshesSweep, ...] | None:
@@ -169,10 +161,6 @@ class _BesideCells:
             )
         return None
 
-    def of_mesh(self, m: int, loaded: Sequence[int], t: int) -> dict[str, RemainingError]:
-        """Those of a mesh under one of the `loaded` torques."""
-        return self.errors(loaded[t], m)
-
     def errors(self, t: int, m: int | None = None) -> dict[str, RemainingError]:
         """Those under a torque, of the whole drive or of a mesh; empty without cells."""
         if self.found is None:
@@ -181,9 +169,7 @@ class _BesideCells:
             each.whole if m is None else each.meshes[m]
             for each in (self.states.found[t], self.found[t])
         )
-        return error_beside_cells(
-            join_sweeps([one], self.at), cells, weights_of(self.assembly, self.at)
-        )
+        return error_beside_cells(join_sweeps([one], self.at), cells, self.weights)
 
 
 @dataclass(frozen=True, eq=False)

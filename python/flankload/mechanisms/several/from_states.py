@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from flankload.result.pairs import DrawnBody, PairDrawing, PairTable, PairTables
 from flankload.result.result import Result
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from flankload.contact.meshes_contact import MeshesSweep
     from flankload.elasticity.compliance import BodyCompliance
@@ -31,71 +30,50 @@ if TYPE_CHECKING:
     from flankload.scene import Scene
 
 
-@dataclass(frozen=True, eq=False)
-class MeshResults(Sequence[Result]):
-    """Results of all meshes under a torque, each made when it is read.
-
-    `estimates`: of the meshes, or empty.
-    """
-
-    scene: Scene
-    assembly: AnyAssembly
-    compliances: Compliances
-    found: MeshesSweep
-    estimates: Sequence[Mapping[str, object]] = ()
-
-    def __len__(self) -> int:
-        return len(self.found.meshes)
-
-    @overload
-    def __getitem__(self, index: int) -> Result: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[Result]: ...
-
-    def __getitem__(self, index: int | slice) -> Result | Sequence[Result]:
-        which = range(len(self))[index]
-        if isinstance(which, range):
-            return tuple(self._of(m) for m in which)
-        return self._of(which)
-
-    def _of(self, m: int) -> Result:
-        """Ordinary result of a mesh, at its own positions."""
-        assembly, pairing = self.assembly, self.assembly.pairing
-        mesh, own_mesh = pairing.meshes[m], assembly.meshes[m]
-        one, two = (pairing.tables[b] for b in mesh.members)
-        if pairing.is_image(m):  # teeth of the mirror image run clockwise
-            first, second = mesh.pairing.site_teeth
-            teeth = -first % own_mesh.body_1.teeth, -second % own_mesh.body_2.teeth
-            own_mesh = replace(own_mesh, pairing=replace(mesh.pairing, site_teeth=teeth))
-        pair = BodyPair(
-            **vars(own_mesh),
-            jobs=(assembly.jobs[one], assembly.jobs[two]),
-            discretization=assembly.discretization,
-            effects=assembly.effects,
-            position_rad=mesh.positions(assembly.position_rad),
-            pitches=assembly.pitches,
-            closed=assembly.closed,
-            adaptive=False,
-            notes=(),
-        )
-        own = self.compliances[one], self.compliances[two]
-        if pairing.is_image(m):
-            own = _with_image_of_roots(own[0]), _with_image_of_roots(own[1])
-        result = result_of(
-            self.scene,
-            pair,
-            own,
-            self.found.meshes[m],
-            estimate=self.estimates[m] if self.estimates else None,
-            geometry=pair_geometry(pair, own),
-        )
-        return replace(
-            result,
-            name=f"{self.scene.name}: {pairing.title(m)}",
-            stiffness_tangent_Nm_per_rad=np.full(assembly.position_rad.size, np.nan),
-            warnings=(),
-        )
+def result_of_mesh(
+    scene: Scene,
+    assembly: AnyAssembly,
+    compliances: Compliances,
+    found: MeshesSweep,
+    estimates: Sequence[Mapping[str, object]],
+    m: int,
+) -> Result:
+    """Ordinary result of a mesh, at its own positions; `estimates`: of all meshes, or empty."""
+    pairing = assembly.pairing
+    mesh, own_mesh = pairing.meshes[m], assembly.meshes[m]
+    one, two = (pairing.tables[b] for b in mesh.members)
+    if pairing.is_image(m):  # teeth of the mirror image run clockwise
+        first, second = mesh.pairing.site_teeth
+        teeth = -first % own_mesh.body_1.teeth, -second % own_mesh.body_2.teeth
+        own_mesh = replace(own_mesh, pairing=replace(mesh.pairing, site_teeth=teeth))
+    pair = BodyPair(
+        **vars(own_mesh),
+        jobs=(assembly.jobs[one], assembly.jobs[two]),
+        discretization=assembly.discretization,
+        effects=assembly.effects,
+        position_rad=mesh.positions(assembly.position_rad),
+        pitches=assembly.pitches,
+        closed=assembly.closed,
+        adaptive=False,
+        notes=(),
+    )
+    own = compliances[one], compliances[two]
+    if pairing.is_image(m):
+        own = _with_image_of_roots(own[0]), _with_image_of_roots(own[1])
+    result = result_of(
+        scene,
+        pair,
+        own,
+        found.meshes[m],
+        estimate=estimates[m] if estimates else None,
+        geometry=pair_geometry(pair, own),
+    )
+    return replace(
+        result,
+        name=f"{scene.name}: {pairing.title(m)}",
+        stiffness_tangent_Nm_per_rad=np.full(assembly.position_rad.size, np.nan),
+        warnings=(),
+    )
 
 
 def _with_image_of_roots(compliance: BodyCompliance) -> BodyCompliance:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic
 
 import numpy as np
@@ -10,7 +11,7 @@ from flankload.contact.record_files import meshes_records
 from flankload.mechanisms.flank_pair.body_files import files_of_compliances, files_of_meshes
 from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
 from flankload.mechanisms.several.estimates import OF_MESHES, error_estimates
-from flankload.mechanisms.several.from_states import MeshResults, result_of_meshes
+from flankload.mechanisms.several.from_states import result_of_mesh, result_of_meshes
 from flankload.mechanisms.several.premises import broken_by_load
 from flankload.mechanisms.several.states import (
     AssemblyT,
@@ -20,6 +21,7 @@ from flankload.mechanisms.several.states import (
     sweeps_of_states,
 )
 from flankload.mechanisms.stage_clock import StageClock
+from flankload.result.pairs import MadeWhenRead
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -42,7 +44,7 @@ class SeveralMeshes(Generic[AssemblyT]):
 
     body_names: tuple[str, ...]
     build: Callable[..., AssemblyT]
-    loads: Callable[[Scene, AssemblyT, AnyContact, MeshesSweep, MeshResults], Any]
+    loads: Callable[[Scene, AssemblyT, AnyContact, MeshesSweep, Sequence[Result]], Any]
     compliances: Callable[..., tuple[AssemblyT, Compliances]] = staticmethod(compliances_of)
     no_flanks_reason: str | None = None
     displaced: Displaced | None = None
@@ -67,7 +69,8 @@ class SeveralMeshes(Generic[AssemblyT]):
         results = []
         for found, estimate in zip(states.found, estimates, strict=True):
             of_meshes: Any = (estimate or {}).get(OF_MESHES, ())
-            meshes = MeshResults(scene, assembly, compliances, found, of_meshes)
+            made = partial(result_of_mesh, scene, assembly, compliances, found, of_meshes)
+            meshes = MadeWhenRead(len(found.meshes), made)
             loads = self.loads(scene, assembly, states.contact, found, meshes)
             results.append(result_of_meshes(scene, assembly, compliances, found, estimate, loads))
         return tuple(results)

@@ -32,11 +32,10 @@ def broken_rims_and_ratios(
     """
     yield from broken_rims(assembly.names, assembly.bodies)
     for m, name, key in meshes:
-        pairing = assembly.pairing.meshes[m].pairing
-        gears = pairing.gear_geometry
-        if gears is not None and gears.contact_ratio < CONTACT_RATIO.limit - TIE:
-            distance = pairing.center_distance_mm
-            found = f"{gears.contact_ratio:.4g} of {name} on {distance:g} mm"
+        mesh = assembly.pairing.meshes[m]
+        if mesh.gears.contact_ratio < CONTACT_RATIO.limit - TIE:
+            distance = mesh.pairing.center_distance_mm
+            found = f"{mesh.gears.contact_ratio:.4g} of {name} on {distance:g} mm"
             yield Broken(CONTACT_RATIO, key, found)
 
 

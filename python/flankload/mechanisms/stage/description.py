@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.mechanisms.data_sheet import DataSheet, SheetRow
-from flankload.mechanisms.flank_pair.data_sheet import rows_of_profile_and_body
+from flankload.mechanisms.flank_pair.data_sheet import rows_of_mesh, rows_of_profile_and_body
 from flankload.mechanisms.flank_pair.description import rows_of_body
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.protocol import Description
@@ -37,8 +36,7 @@ def describe(scene: Scene) -> Description:
     }
     meshes, n = assembly.pairing.meshes, assembly.pairing.count
     for title, mesh in (("sun and planets", meshes[0]), ("planets and ring", meshes[n])):
-        gears = mesh.pairing.gear_geometry
-        rows[title] = list(describe_gears(gears)) if gears is not None else []
+        rows[title] = list(describe_gears(mesh.gears))
     rows["stage"] = _rows_of_stage(scene, assembly)
     broken = require_premises(scene, broken_by_geometry(assembly))
     return Description(rows, (*assembly.notes, *(one.note for one in broken)))
@@ -109,11 +107,5 @@ def data_sheet(scene: Scene) -> DataSheet:
     rows = [SheetRow("number of planets", "", f"{assembly.pairing.count}")]
     rows += [SheetRow(f"planet: {row.name}", row.symbol, row.value) for row in planet]
     for mesh, name in ((meshes[0], "sun"), (meshes[-1], "ring")):
-        gears = mesh.pairing.gear_geometry
-        if gears is None:
-            continue
-        angle = f"{degrees(gears.pressure_angle_rad):.4f}°"
-        rows.append(SheetRow(f"working pressure angle with the {name}", "α_wt", angle))
-        ratio = f"{gears.contact_ratio:.4f}"
-        rows.append(SheetRow(f"contact ratio with the {name}", "ε_α", ratio))
+        rows += rows_of_mesh(mesh.gears, f"with the {name}")
     return DataSheet(("sun", "ring"), (tuple(sun), tuple(ring)), tuple(rows))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.base.torque import in_newton_metres
-from flankload.mechanisms.several.from_states import MeshResults
 from flankload.mechanisms.stage.over_width import loads_over_width
 from flankload.mechanisms.stage.planet_bending import bending_of_planets
 from flankload.mechanisms.stage.rim import motion_of_rim
@@ -18,10 +17,13 @@ from flankload.result.stage import HIGHEST_ORDER, StageLoads
 from flankload.result.stage_over_width import StageLoadsOverWidth
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.base.arrays import Floats
     from flankload.contact.meshes_contact import MeshesSweep
     from flankload.contact.stage_supports import StageContact
     from flankload.mechanisms.stage.assembly import StageAssembly
+    from flankload.result.result import Result
     from flankload.scene import Scene
 
 
@@ -30,7 +32,7 @@ def loads_of_members(
     assembly: StageAssembly,
     contact: StageContact,
     found: MeshesSweep,
-    meshes: MeshResults,
+    meshes: Sequence[Result],
 ) -> StageLoads:
     """Loads of the members."""
     compliances = contact.compliances

@@ -26,9 +26,7 @@ def sliding_losses(assembly: StageAssembly, found: MeshesSweep) -> tuple[Floats,
         one, two = (body.teeth for body in assembly.bodies[int(mesh.with_ring) :][:2])
         # the ring turns in the same sense as a planet
         relative = abs(1.0 - one / two) if mesh.with_ring else 1.0 + one / two
-        gears = mesh.pairing.gear_geometry
-        assert gears is not None
-        pitch_mm = gears.pitch_radius_1_mm * (-1.0 if mesh.with_ring else 1.0)
+        pitch_mm = mesh.gears.pitch_radius_1_mm * (-1.0 if mesh.with_ring else 1.0)
         pairs = sweep.pairs
         away = np.hypot(pairs.column("x") - pitch_mm, pairs.column("y"))
         lost = np.bincount(pairs.position, pairs.column("force") * away, len(found.motions))

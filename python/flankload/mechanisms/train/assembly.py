@@ -159,10 +159,8 @@ def _errors(
 
 def _opening(scene: Scene, pairing: TrainPairing) -> float:
     """Growth of the gap along z by a misalignment of double helical gears."""
-    gears = pairing.meshes[0].pairing.gear_geometry
-    assert gears is not None
     angles = scene.pair.inclination_um_per_mm, scene.pair.deviation_um_per_mm
-    return gap_by_misalignment(*angles, gears.pressure_angle_rad)
+    return gap_by_misalignment(*angles, pairing.meshes[0].gears.pressure_angle_rad)
 
 
 def _slices(

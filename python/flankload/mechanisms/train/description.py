@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from math import degrees
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from flankload.mechanisms.data_sheet import DataSheet, SheetRow
-from flankload.mechanisms.flank_pair.data_sheet import rows_of_profile_and_body
+from flankload.mechanisms.flank_pair.data_sheet import rows_of_mesh, rows_of_profile_and_body
 from flankload.mechanisms.flank_pair.description import rows_of_body
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.protocol import Description
@@ -39,8 +38,7 @@ def describe(scene: Scene) -> Description:
         for name, role, body in zip(assembly.names, roles, assembly.bodies, strict=True)
     }
     for title, mesh in _meshes(assembly):
-        gears = mesh.pairing.gear_geometry
-        rows[title] = list(describe_gears(gears)) if gears is not None else []
+        rows[title] = list(describe_gears(mesh.gears))
     rows["train"] = _rows_of_train(scene, assembly)
     broken = require_premises(scene, broken_by_geometry(assembly))
     return Description(rows, (*assembly.notes, *(one.note for one in broken)))
@@ -95,10 +93,5 @@ def data_sheet(scene: Scene) -> DataSheet:
         SheetRow(f"body 3: {row.name}", row.symbol, row.value) for three in third for row in three
     ]
     for title, mesh in _meshes(assembly):
-        gears = mesh.pairing.gear_geometry
-        if gears is None:
-            continue
-        angle = f"{degrees(gears.pressure_angle_rad):.4f}°"
-        rows.append(SheetRow(f"working pressure angle of {title}", "α_wt", angle))
-        rows.append(SheetRow(f"contact ratio of {title}", "ε_α", f"{gears.contact_ratio:.4f}"))
+        rows += rows_of_mesh(mesh.gears, f"of {title}")
     return DataSheet(("gear", "gear"), (tuple(one), tuple(two)), tuple(rows))

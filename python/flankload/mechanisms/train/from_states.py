@@ -11,13 +11,15 @@ from flankload.base.torque import in_newton_metres
 from flankload.contact.train_supports import MIRRORED
 from flankload.contact.wrenches import tilts_of, wrenches_of
 from flankload.mechanisms.several.estimates import weights_of
-from flankload.mechanisms.several.from_states import MeshResults
 from flankload.result.train import DoubleHelicalLoads, TrainLoads, TrainLoadsOverWidth
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from flankload.base.arrays import Floats
     from flankload.contact.meshes_contact import AnyContact, MeshesSweep
     from flankload.mechanisms.train.assembly import TrainAssembly
+    from flankload.result.result import Result
     from flankload.result.train import TwoMeshes
     from flankload.scene import Scene
 
@@ -27,7 +29,7 @@ def loads_of_bodies(
     assembly: TrainAssembly,
     contact: AnyContact,
     found: MeshesSweep,
-    meshes: MeshResults,
+    meshes: Sequence[Result],
 ) -> TwoMeshes:
     """Loads of the bodies."""
     assert scene.train is not None
