@@ -136,16 +136,7 @@ class FieldsOfBody(Protocol):
 
 
 class Assembly(Protocol):
-    """A drive before its elements are solved.
-
-    Attributes
-    ----------
-    position_rad : (P,) array
-    bodies : tuple of Body
-        In the order of `Mechanism.body_names`; empty if they have no flanks.
-    meshes : tuple of GearMesh
-        Contacts of two bodies each; empty if they have no flanks.
-    """
+    """A drive before its elements are solved."""
 
     @property
     def position_rad(self) -> Floats:
@@ -153,11 +144,11 @@ class Assembly(Protocol):
 
     @property
     def bodies(self) -> tuple[Body, ...]:
-        """Bodies with flanks."""
+        """Bodies in the order of `Mechanism.body_names`; empty if they have no flanks."""
 
     @property
     def meshes(self) -> tuple[GearMesh, ...]:
-        """Contacts of two of these bodies each."""
+        """Contacts of two bodies each; empty if they have no flanks."""
 
 
 class States(Protocol):
@@ -195,24 +186,11 @@ class Displaced(Generic[A, C, S]):
 
 
 class Mechanism(Protocol[A, C, S]):
-    """A kind of drive, stage by stage; later methods receive what earlier methods return.
-
-    Attributes
-    ----------
-    body_names : tuple of str
-        Tables of the bodies in the scene; stages and kept compliances are those of these names.
-    modes : callable or None
-        Natural modes of a scene, one entry per torque; None if the kind of drive has none.
-    no_flanks_reason : str or None
-        None if both bodies are `Body` objects with flanks and elements; otherwise the kind of body
-        2 and the reason why they have none, as error lines show them after "found".
-    displaced : Displaced or None
-        None if all scenes are solved one by one.
-    """
+    """A kind of drive, stage by stage; later methods receive what earlier methods return."""
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """Tables of the bodies in the scene."""
+        """Tables of the bodies in the scene; stages and kept compliances have these names."""
 
     @property
     def modes(self) -> Callable[[Scene], tuple[StageModes, ...]] | None:
@@ -220,11 +198,14 @@ class Mechanism(Protocol[A, C, S]):
 
     @property
     def no_flanks_reason(self) -> str | None:
-        """Kind of body 2 and the reason why the bodies have no flanks; None if they have."""
+        """Kind of body 2 and the reason why the bodies have no flanks and elements, or None.
+
+        As error lines show them after "found".
+        """
 
     @property
     def displaced(self) -> Displaced[A, C, S] | None:
-        """States of scenes that differ by known displacements only."""
+        """States of scenes that differ by known displacements; None: solved one by one."""
 
     def build(
         self,

@@ -361,11 +361,8 @@ class BodyCompliance:
             return np.concatenate([blocks, np.zeros_like(blocks[:1])])
 
         last = len(self.all_blocks()[0])
-        if coast is None:
-            found = self.with_blocks(with_none)
-        else:
-            found = self.with_blocks(lambda blocks: blocks, with_none)
-        return found, np.where(apart, last, block)
+        change = with_none if coast is None else lambda blocks: blocks
+        return self.with_blocks(change, with_none), np.where(apart, last, block)
 
     def without_coupling(self) -> BodyCompliance:
         """The compliance without the response of other teeth to a load on a tooth."""
@@ -396,18 +393,13 @@ def _only(blocks: Floats, kept: Numbers) -> Floats:
 
 def no_compliance(body: Body, body_load: BodyLoad | None = None) -> BodyCompliance:
     """Compliance of a rigid body or an unloaded one, without finite elements."""
+    shape = body.axial
+    tangent = shape.twist_rad_per_mm * (body.base_radius_mm or body.normal_lever_mm)
+    cosine = float(1.0 / np.hypot(1.0, tangent))
+    constant = AxialModes(shape.range_mm, 0, shape.twist_rad_per_mm, cosine)
     return BodyCompliance(
         np.zeros((1, 1, 1)),
         NearField(0.0),
-        FlankModes(body.mode_range_mm, axial=_whole_width(body)),
+        FlankModes(body.mode_range_mm, axial=constant),
         expansion=Expansion(0.0 if body_load is None else body_load.strain),
-    )
-
-
-def _whole_width(body: Body) -> AxialModes:
-    """One constant mode over the width of a rigid body."""
-    shape = body.axial
-    tangent = shape.twist_rad_per_mm * (body.base_radius_mm or body.normal_lever_mm)
-    return AxialModes(
-        shape.range_mm, 0, shape.twist_rad_per_mm, float(1.0 / np.hypot(1.0, tangent)), (0.0, 0.0)
     )

@@ -20,17 +20,13 @@ from flankload.elasticity.compliance.contributions import Expansion
 from flankload.elasticity.compliance.loads import ModeLoads, NodeLoads
 from flankload.elasticity.compliance.plane_extent import PlaneExtent
 from flankload.elasticity.compliance.response import Job, Response, of_sector, of_whole
-from flankload.elasticity.fe_error import (
-    compliance_error,
-    fillet_difference,
-    recovered_strains,
-)
+from flankload.elasticity.fe_error import compliance_error, fillet_difference, recovered_strains
 from flankload.elasticity.finite_elements import centrifugal_load
 from flankload.elasticity.job_log import JobLog
 from flankload.elasticity.sector_closure import made_symmetric
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from flankload.base.arrays import Floats
     from flankload.bodies.body import Body
@@ -157,16 +153,23 @@ def _prepared(
             mesh.nodes, mesh.cells, body.material, options.plane, moved, smoothed
         ), 0.0 if fillets is None else fillet_difference(fillets, moved, smoothed)
 
-    estimated = options.estimate and not options.nodal and options.extent.recovers_stress
+    estimated = options.estimate and not options.nodal and extent.recovers_stress
     log = JobLog(account, estimate=estimate if estimated else None)
     section = extent.section(mesh, body.material)
     log.account.workspace_bytes += section.bytes
     load_vectors = _load_vectors(section, body, body_load)
+
+    def readings(flank: int) -> dict[str, tuple[Floats, int]]:
+        if options.fillets is None:
+            return {}
+        columns = extent.root_columns(options.fillets, flank, section, body.material)
+        return {"stress_recoveries": (columns, extent.axial.count)}
+
     job = Job(
         body=body,
         section=section,
         loads=loads,
-        readings=_readings(body, options, loads, section),
+        readings=readings,
         forces=np.stack(list(load_vectors.values()), axis=2) if load_vectors else None,
         log=log,
         coast_flanks=options.coast_flanks,
@@ -182,21 +185,6 @@ def _loads(body: Body, options: JobOptions) -> FlankLoads:
         return NodeLoads(body, PlaneExtent(options.plane), options.friction)
     count = options.n_modes if body.tip is None else with_tip(options.n_modes)
     return ModeLoads(body, options.extent, count, options.friction)
-
-
-def _readings(
-    body: Body, options: JobOptions, loads: FlankLoads, section: SectionStiffness
-) -> Callable[[int], dict[str, tuple[Floats, int]]]:
-    """Columns for readings, by counter: root stress."""
-
-    def readings(flank: int) -> dict[str, tuple[Floats, int]]:
-        found = {}
-        if options.fillets is not None:
-            columns = options.extent.root_columns(options.fillets, flank, section, body.material)
-            found["stress_recoveries"] = columns, options.extent.axial.count
-        return found
-
-    return readings
 
 
 def _compliance(job: Job, found: Response, options: JobOptions) -> BodyCompliance:

@@ -54,12 +54,7 @@ DIRECTIONS: tuple[Along, ...] = ("normal", "tangent")
 class FlankLoads(ABC):
     """Normal unit loads on the flanks of a body, with friction followed by as many tangential ones.
 
-    Attributes
-    ----------
-    count : int
-        Number of normal loads of a flank.
-    extent : PlaneExtent or Prism
-        Extent of the body along its axis.
+    `extent` is that of the body along its axis.
     """
 
     body: Body
