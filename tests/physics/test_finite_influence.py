@@ -211,6 +211,20 @@ def test_friction_rubs_with_finite_forces_too() -> None:
     assert abs(effects[0.2] - effects[0.0]) > 10 * abs(effects[1e-6] - effects[0.0])
 
 
+@pytest.mark.parametrize("near_field", ["analytic", "nodes"])
+def test_roots_have_the_stress_of_normal_forces_alone(near_field: str) -> None:
+    """Regression: without friction, finite forces have no root stress along the flanks."""
+    finite, small = (
+        solved(soft=1.0, near_field=near_field, influence=kind, root_stress=True).root_stress
+        for kind in ("finite", "small")
+    )
+    for one, two in zip(finite, small, strict=True):
+        assert one is not None
+        assert two is not None
+        largest = two.tension.stress_MPa.max()
+        np.testing.assert_allclose(one.stress_MPa, two.stress_MPa, rtol=0, atol=1e-3 * largest)
+
+
 def test_counters_distinguish_finite_forces_from_small_ones() -> None:
     plain = fl.solve(scene_of(soft=1.0))
     assert plain.cost["finite_solutions"] == plain.cost["unit_loads_tangential"] == 0

@@ -199,11 +199,13 @@ def root_reading(
     if root.range_mm is not None:
         over_width = OverWidth(root.range_mm, modes.axial.degree, pair.slices.edges_mm)
     teeth = pair.pairing.site_teeth[z][sites]
-    block = compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)
+    response = root.response[compliance.block_of(teeth[:, None], teeth[None, :], body.teeth)]
+    if not pair.effects.friction:  # finite forces alone have none along the flanks
+        response = response[..., : compliance.smooth.shape[1]]
     return RootReading(
         points=root.points,
         n_modes=n_modes,
-        response=root.response[block],
+        response=response,
         mode_range_mm=modes.range_mm,
         tip=modes.tip,
         face_width_mm=pair.face_width_mm,
