@@ -10,6 +10,7 @@ import numpy as np
 
 from flankload.base.gauss import leggauss
 from flankload.base.rotation import turned
+from flankload.elasticity.compliance.modified_flank import on_elements
 from flankload.elasticity.loaded_body import PointForces
 from flankload.mechanisms.protocol import NodalFields
 
@@ -168,7 +169,7 @@ class BodyInContact(ABC):
         x, weights = leggauss(POINTS)
         cell, normal_N = table.cell_mm[carries], table.force_N[carries]
         s = (table.arc_length_1_mm, table.arc_length_2_mm)[number][carries]
-        s = self._on_elements((s[:, None] + 0.5 * cell[:, None] * x).ravel())
+        s = on_elements(self.body, (s[:, None] + 0.5 * cell[:, None] * x).ravel())
         normal = table.normal[carries]
         # the outward normal of body 1 has an axial component
         lever = table.x_mm[carries] * normal[:, 1] - table.y_mm[carries] * normal[:, 0]
@@ -193,12 +194,6 @@ class BodyInContact(ABC):
             share * np.repeat(normal_N, POINTS),
             np.full(s.size, contacts.coast),
         )
-
-    def _on_elements(self, s: Floats) -> Floats:
-        """Arc lengths on the flank of the elements for those on the flank of the body."""
-        low, high = self.body.mode_range_mm
-        first, last = self.loaded.body.mode_range_mm
-        return np.asarray(first + (s - low) * ((last - first) / (high - low)))
 
 
 def in_world(vectors: Floats, turns: Floats) -> Floats:

@@ -168,6 +168,15 @@ def _across(body: Body, s: Floats, shift: float) -> Floats:
     return np.where(s > high, on_tip, np.minimum(s + shift, first))
 
 
+def on_elements(body: Body, s: Floats) -> Floats:
+    """Arc lengths on the flank of the elements, for those on the flank of the body."""
+    if body.elements is None:
+        return s
+    high, first, end = body.unmodified.mode_range_mm[1], body.mode_range_mm[1], body.curve.length_mm
+    on_tip = np.interp(s, [first, end], [high, body.unmodified.curve.length_mm])
+    return np.where(s > first, on_tip, np.minimum(s - _shift(body), high))
+
+
 def _nodes_across(body: Body, nodes: Floats, shift: float) -> Floats:
     """Nodes (n,) on the modified flank; those at the ends of the flank remain there."""
     found = _across(body, nodes, shift)
