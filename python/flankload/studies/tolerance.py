@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import ceil, sqrt
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,13 +27,14 @@ from flankload.studies.tolerance_report import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from flankload.mechanisms.parameters import Parameters, Values
     from flankload.mechanisms.stage_clock import Kept, Progress
     from flankload.result import Result
     from flankload.scene import Scene
 
+    Run = Callable[[Scene, Kept, Progress | None], tuple[Result, ...]]
     Errors = dict[str, float]
     Table = dict[str, Errors]
 
@@ -49,13 +50,6 @@ POSITIONS, MOST_POSITIONS = 16, 128
 #: Relative uncertainty that they may leave in harmonics and peak to peak, over the tolerance, which
 #: refers to the whole transmission error; and its limits.
 DOUBT, LEAST_DOUBT, MOST_DOUBT = 3.0, 1e-5, 0.03
-
-
-class Run(Protocol):
-    """A run of a scene with the signature of `run_once`."""
-
-    def __call__(self, scene: Scene, kept: Kept, progress: Progress | None) -> tuple[Result, ...]:
-        """Results of a scene; newly solved compliances are stored in `kept`."""
 
 
 def first_choice(scene: Scene, parameters: Parameters) -> Choice:
@@ -107,7 +101,7 @@ def solve_to_tolerance(
     scene : Scene
         It names a tolerance.
     run : callable
-        Solves a scene.
+        run(scene, kept, progress) returns results, and stores newly solved compliances in `kept`.
     progress : callable, optional
         As in `solve`.
 

@@ -179,8 +179,7 @@ class BodyCompliance:
         `change` maps each of smooth, tangential and along, if present; `of_coast` those of the
         coast flanks, by default `change`.
         """
-        names = ("smooth", "tangential", "along")
-        blocks = {name: getattr(self, name) for name in names}
+        blocks = {name: getattr(self, name) for name in ("smooth", "tangential", "along")}
         coast, of_coast = self.coast, of_coast or change
         if coast is not None:
             along = coast.tangential

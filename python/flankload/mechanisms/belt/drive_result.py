@@ -43,7 +43,8 @@ def result_of_belt(
         Index of the torque.
     """
     strip, found = assembly.strip, states.found[number]
-    sites, width = sites_of(found), strip.width_mm
+    width, teeth = strip.width_mm, [state.tooth_N_per_mm.size for state in found]
+    sites = Sites([state.first_tooth for state in found], teeth)
     drive = _drive(scene, strip, states.springs, sites, found)
     return wrapped_result(
         scene,
@@ -62,13 +63,6 @@ def result_of_belt(
         cost=_cost(found),
         drawing=_drawing(strip, sites.numbers, assembly.position_rad),
         drive=drive,
-    )
-
-
-def sites_of(states: Sequence[BeltState]) -> Sites:
-    """Teeth at the positions of some states."""
-    return Sites(
-        [state.first_tooth for state in states], [state.tooth_N_per_mm.size for state in states]
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.reuse import Parts
     from flankload.pairing.body_pair import BodyJob
+    from flankload.pairing.placed_mesh import PlacedMesh
     from flankload.pairing.slices import Slices
     from flankload.scene import Scene
     from flankload.scene.discretization import Discretization
@@ -37,7 +39,7 @@ MOST_POSITIONS = 100_000
 
 
 @dataclass(frozen=True)
-class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
+class MeshesAssembly(ABC, Generic[PairingT, SupportsT, ErrorsT]):
     """A drive with several gear meshes, with the options of a run.
 
     Attributes
@@ -74,6 +76,11 @@ class MeshesAssembly(Generic[PairingT, SupportsT, ErrorsT]):
     notes: tuple[str, ...]
 
     all_names: ClassVar[tuple[str, ...]]
+
+    @property
+    @abstractmethod
+    def different_meshes(self) -> tuple[tuple[str, str, PlacedMesh], ...]:
+        """Words, key of the centre distance, and mesh, of those that are not alike."""
 
     @property
     def names(self) -> tuple[str, ...]:

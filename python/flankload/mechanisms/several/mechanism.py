@@ -12,7 +12,7 @@ from flankload.mechanisms.flank_pair.body_files import files_of_compliances, fil
 from flankload.mechanisms.flank_pair.parameters import parameters_of_flanks
 from flankload.mechanisms.several.estimates import OF_MESHES, error_estimates
 from flankload.mechanisms.several.from_states import result_of_mesh, result_of_meshes
-from flankload.mechanisms.several.premises import broken_by_load
+from flankload.mechanisms.several.premises import broken_by_geometry, broken_by_load
 from flankload.mechanisms.several.states import (
     AssemblyT,
     compliances_of,
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 class SeveralMeshes(Generic[AssemblyT]):
     """Bodies in several gear meshes.
 
-    Subclasses have `body_names`, `build`, `broken_by_geometry`, `loads` (what only this kind of
-    drive has in its result), `describe` and `data_sheet`.
+    Subclasses have `body_names`, `build`, `loads` (what only this kind of drive has in its result),
+    `describe` and `data_sheet`.
     """
 
     body_names: tuple[str, ...]
@@ -53,6 +53,7 @@ class SeveralMeshes(Generic[AssemblyT]):
     work = staticmethod(counted_work)
     sweeps = staticmethod(sweeps_of_states)
     states = staticmethod(states_of_meshes)
+    broken_by_geometry = staticmethod(broken_by_geometry)
     broken_by_load = staticmethod(broken_by_load)
     estimates = staticmethod(error_estimates)
     parameters = staticmethod(parameters_of_flanks)

@@ -17,22 +17,16 @@ from flankload.mechanisms.flank_pair.premises import (
 from flankload.mechanisms.premises import Broken, Torque, broken_by_turn, largest_turn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from flankload.mechanisms.several.states import AnyAssembly, MeshesStates
     from flankload.scene import Scene
 
 
-def broken_rims_and_ratios(
-    assembly: AnyAssembly, meshes: Sequence[tuple[int, str, str]]
-) -> Iterator[Broken]:
-    """Premises that are violated at any load: rims, contact ratios.
-
-    `meshes`: number, words and key of the centre distance of different ones.
-    """
+def broken_by_geometry(assembly: AnyAssembly) -> Iterator[Broken]:
+    """Premises that are violated at any load: rims, contact ratios."""
     yield from broken_rims(assembly.names, assembly.bodies)
-    for m, name, key in meshes:
-        mesh = assembly.pairing.meshes[m]
+    for name, key, mesh in assembly.different_meshes:
         if mesh.gears.contact_ratio < CONTACT_RATIO.limit - TIE:
             distance = mesh.pairing.center_distance_mm
             found = f"{mesh.gears.contact_ratio:.4g} of {name} on {distance:g} mm"

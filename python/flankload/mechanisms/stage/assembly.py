@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from flankload.cost import Account
     from flankload.elasticity.compliance import BodyCompliance
     from flankload.mechanisms.reuse import Parts
+    from flankload.pairing.placed_mesh import PlacedMesh
     from flankload.scene import Scene
 
     Compliances = tuple[BodyCompliance, BodyCompliance, BodyCompliance]
@@ -52,6 +53,13 @@ class StageAssembly(MeshesAssembly[StagePairing, StageSupports, StageErrors]):
     """A planetary stage with the options of a run."""
 
     all_names = NAMES
+
+    @property
+    def different_meshes(self) -> tuple[tuple[str, str, PlacedMesh], ...]:
+        """Those of planet 1."""
+        with_sun, with_ring = self.pairing.meshes[:: self.pairing.count]
+        key = "pair.center_distance_mm"
+        return ("sun and planets", key, with_sun), ("planets and ring", key, with_ring)
 
 
 def assemble(

@@ -11,8 +11,8 @@ from flankload.mechanisms.flank_pair.data_sheet import rows_of_mesh, rows_of_pro
 from flankload.mechanisms.flank_pair.description import rows_of_body
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.protocol import Description
+from flankload.mechanisms.several.premises import broken_by_geometry
 from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
-from flankload.mechanisms.stage.premises import broken_by_geometry
 from flankload.pairing.gear_pair import describe_gears
 from flankload.pairing.stage import orbit_orders, surviving_order
 from flankload.result.stage import HIGHEST_ORDER
@@ -34,8 +34,7 @@ def describe(scene: Scene) -> Description:
         (role if name == role else f"{name}: {role}"): rows_of_body(body, getattr(scene, name))
         for name, role, body in zip(NAMES, ROLES, assembly.bodies, strict=True)
     }
-    meshes, n = assembly.pairing.meshes, assembly.pairing.count
-    for title, mesh in (("sun and planets", meshes[0]), ("planets and ring", meshes[n])):
+    for title, _, mesh in assembly.different_meshes:
         rows[title] = list(describe_gears(mesh.gears))
     rows["stage"] = _rows_of_stage(scene, assembly)
     broken = require_premises(scene, broken_by_geometry(assembly))

@@ -10,7 +10,6 @@ from flankload.mechanisms.stage.assembly import NAMES, StageAssembly, assemble
 from flankload.mechanisms.stage.description import data_sheet, describe
 from flankload.mechanisms.stage.from_states import loads_of_members
 from flankload.mechanisms.stage.modes import stage_modes
-from flankload.mechanisms.stage.premises import broken_by_geometry
 from flankload.mechanisms.stage.states import are_displaced, compliances_of, displaced_states
 
 if TYPE_CHECKING:
@@ -26,7 +25,6 @@ class PlanetaryStage(SeveralMeshes[StageAssembly]):
     displaced = Displaced(are_displaced, displaced_states)
 
     build = staticmethod(assemble)
-    broken_by_geometry = staticmethod(broken_by_geometry)
     compliances = staticmethod(compliances_of)
     loads = staticmethod(loads_of_members)
     describe = staticmethod(describe)

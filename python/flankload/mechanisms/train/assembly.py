@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from flankload.bodies import Body
     from flankload.cost import Account
     from flankload.mechanisms.reuse import Parts
+    from flankload.pairing.placed_mesh import PlacedMesh
     from flankload.scene import Scene
     from flankload.scene.train import Train
 
@@ -52,6 +53,14 @@ class TrainAssembly(MeshesAssembly[TrainPairing, TrainSupports, TrainErrors]):
     """A gear train with the options of a run."""
 
     all_names = NAMES
+
+    @property
+    def different_meshes(self) -> tuple[tuple[str, str, PlacedMesh], ...]:
+        """Both; the halves of double helical gears are alike."""
+        keys = ("pair.center_distance_mm", "train.center_distance_2_mm")[: len(self.bodies) - 1]
+        return tuple(
+            (self.pairing.title(m), key, self.pairing.meshes[m]) for m, key in enumerate(keys)
+        )
 
 
 def assemble(

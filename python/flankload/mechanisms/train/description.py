@@ -11,13 +11,12 @@ from flankload.mechanisms.flank_pair.data_sheet import rows_of_mesh, rows_of_pro
 from flankload.mechanisms.flank_pair.description import rows_of_body
 from flankload.mechanisms.premises import require_premises
 from flankload.mechanisms.protocol import Description
+from flankload.mechanisms.several.premises import broken_by_geometry
 from flankload.mechanisms.train.assembly import NAMES, TrainAssembly, assemble
-from flankload.mechanisms.train.premises import broken_by_geometry
 from flankload.pairing.gear_pair import describe_gears
 
 if TYPE_CHECKING:
     from flankload.mechanisms.protocol import Rows
-    from flankload.pairing.placed_mesh import PlacedMesh
     from flankload.scene import Scene
 
 #: Roles of the bodies by the kind of train.
@@ -37,7 +36,7 @@ def describe(scene: Scene) -> Description:
         f"{name}: {role}": rows_of_body(body, getattr(scene, name))
         for name, role, body in zip(assembly.names, roles, assembly.bodies, strict=True)
     }
-    for title, mesh in _meshes(assembly):
+    for title, _, mesh in assembly.different_meshes:
         rows[title] = list(describe_gears(mesh.gears))
     rows["train"] = _rows_of_train(scene, assembly)
     broken = require_premises(scene, broken_by_geometry(assembly))
@@ -76,12 +75,6 @@ def _rows_of_train(scene: Scene, assembly: TrainAssembly) -> Rows:
     return rows
 
 
-def _meshes(assembly: TrainAssembly) -> list[tuple[str, PlacedMesh]]:
-    """Names of both meshes, which are alike in the halves of double helical gears."""
-    meshes = assembly.pairing.meshes[: len(assembly.bodies) - 1]
-    return [(" and ".join(mesh.names), mesh) for mesh in meshes]
-
-
 def data_sheet(scene: Scene) -> DataSheet:
     """Drawing data of bodies 1 and 2, of body 3, and of both meshes."""
     assembly = assemble(scene)
@@ -92,6 +85,6 @@ def data_sheet(scene: Scene) -> DataSheet:
     rows = [
         SheetRow(f"body 3: {row.name}", row.symbol, row.value) for three in third for row in three
     ]
-    for title, mesh in _meshes(assembly):
+    for title, _, mesh in assembly.different_meshes:
         rows += rows_of_mesh(mesh.gears, f"of {title}")
     return DataSheet(("gear", "gear"), (tuple(one), tuple(two)), tuple(rows))

@@ -8,7 +8,6 @@ from flankload.mechanisms.several.mechanism import SeveralMeshes
 from flankload.mechanisms.train.assembly import NAMES, TrainAssembly, assemble
 from flankload.mechanisms.train.description import data_sheet, describe
 from flankload.mechanisms.train.from_states import loads_of_bodies
-from flankload.mechanisms.train.premises import broken_by_geometry
 
 if TYPE_CHECKING:
     from flankload.mechanisms.protocol import Mechanism
@@ -22,7 +21,6 @@ class GearTrain(SeveralMeshes[TrainAssembly]):
     body_names = NAMES
 
     build = staticmethod(assemble)
-    broken_by_geometry = staticmethod(broken_by_geometry)
     loads = staticmethod(loads_of_bodies)
     describe = staticmethod(describe)
     data_sheet = staticmethod(data_sheet)
