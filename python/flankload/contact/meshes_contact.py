@@ -125,11 +125,6 @@ class MeshesContact(Generic[PairingT, SupportsT]):
     coupled: bool = True
 
     @property
-    def site_counts(self) -> tuple[int, ...]:
-        """(M,) Number of sites of each mesh in the core: slices of its pairs of flanks."""
-        return tuple(core_sites(mesh) for mesh in self.meshes)
-
-    @property
     def base_radii_mm(self) -> tuple[float, ...]:
         """Base radii by tables."""
         return tuple(body.base_radius_mm or 1.0 for body in self.bodies)

@@ -371,16 +371,11 @@ def _initial_capacity(contact: FlankContact) -> int:
     return sides * max(INITIAL_PAIRS, int(PAIRS_PER_CELL * (cells + LEAST_CELLS) * sites))
 
 
-def join_sweeps(parts: Sequence[Sweep], order: NDArray[np.int64]) -> Sweep:
-    """Join sweeps of different positions for the same torque and the same sites.
+def join_sweeps(parts: Sequence[Record], order: NDArray[np.int64]) -> Record:
+    """Join sweeps of different positions for the same torque and the same sites, field by field.
 
     `order` (P,) are indices into the concatenated positions of the parts, in their new order.
     """
-    return _joined(parts, order)
-
-
-def _joined(parts: Sequence[Record], order: NDArray[np.int64]) -> Record:
-    """Records with an axis of positions, joined field by field."""
     joined: dict[str, Any] = {}
     for item in fields(parts[0]):
         values = [getattr(part, item.name) for part in parts]
@@ -393,5 +388,5 @@ def _joined(parts: Sequence[Record], order: NDArray[np.int64]) -> Record:
         elif isinstance(values[0], np.ndarray):
             joined[item.name] = np.concatenate(values)[order]
         else:
-            joined[item.name] = _joined(values, order)
+            joined[item.name] = join_sweeps(values, order)
     return replace(parts[0], **joined)

@@ -46,8 +46,9 @@ class Drive(Card, Engagement):
         return {item.name: item.metadata[axes] for item in every if axes in item.metadata}
 
     def as_dict(self) -> dict[str, Any]:
-        """The drive in the form of the JSON result."""
-        return {item.name: getattr(self, item.name) for item in fields(self)}  # type: ignore[arg-type]
+        """The drive in the form of the JSON result, without the results of its meshes."""
+        names = (item.name for item in fields(self))  # type: ignore[arg-type]
+        return {name: getattr(self, name) for name in names if name != "meshes"}
 
     def summary(self, result: Result) -> dict[str, Any]:
         """Further entries of the summary of a result."""

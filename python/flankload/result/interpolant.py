@@ -306,9 +306,6 @@ def _chords(
     nodes[:, 0], nodes[:, 1] = x[at], x[at + 1]
     coefficients[:, 0] = y[at]
     coefficients[:, 1] = (y[at + 1] - y[at]) / (x[at + 1] - x[at])
-    missed = [
-        np.abs(before.values(x[at + 1]) - y[at + 1]),
-        np.abs(after.values(x[at]) - y[at]),
-    ]
-    doubts[:, 0] = np.maximum(*missed)
+    missed = before.values(x[at + 1]) - y[at + 1], after.values(x[at]) - y[at]
+    doubts[:, 0] = np.abs(missed).max(axis=0)
     return _Polynomials(nodes, coefficients, doubts, np.ones(at.size, dtype=int))

@@ -180,7 +180,7 @@ class StageLoads(Drive):
 
     def as_dict(self) -> dict[str, Any]:
         """The stage in the form of the JSON result."""
-        found = {name: value for name, value in vars(self).items() if name != "meshes"}
+        found = super().as_dict()
         if self.planet_bending is not None:
             found["planet_bending"] = self.planet_bending.as_dict()
         return found

@@ -76,10 +76,6 @@ class TwoMeshes(Drive):
         """Number of the gear in both meshes, or of the double helical pinion."""
         return 1
 
-    def as_dict(self) -> dict[str, Any]:
-        """The train in the form of the JSON result."""
-        return {name: value for name, value in vars(self).items() if name != "meshes"}
-
     def own_pictures(self, result: Result) -> tuple[str, ...]:
         several = result.position_rad.size > 1
         return ("gear_train", *("transmission_error",) * several)

@@ -18,6 +18,7 @@ import pytest
 
 import flankload as fl
 from flankload import _core
+from flankload.contact.body_record import core_sites
 from flankload.mechanisms.flank_pair.assembly import build_bodies
 from flankload.mechanisms.stage.assembly import NAMES, assemble
 from flankload.mechanisms.stage.states import compliances_of
@@ -192,8 +193,8 @@ def coupled_meshes(run: Run) -> float:
     assembly, found = compliances_of(scene, assembly, StageClock(None, NAMES, 1, {}), {})
     contact = assembly.contact(scene, found)
     parts = parts_of(contact.body_records()[0])
-    count = contact.site_counts[0]
-    blocks = parts["block"].reshape(sum(contact.site_counts[:4]), -1)[:count, count:]
+    counts = [core_sites(mesh) for mesh in contact.meshes]
+    blocks = parts["block"].reshape(sum(counts[:4]), -1)[: counts[0], counts[0] :]
     return float(np.abs(parts["smooth"][:, :, blocks.astype(int) - 1]).sum())
 
 

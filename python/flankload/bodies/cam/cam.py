@@ -64,13 +64,12 @@ class CamProfile:
     ----------
     curve : FlankCurve
         Closed and clockwise, so that the material is on its right.
-    least_radius_mm, largest_radius_mm : float
-        Radii of the curve about the axis.
+    least_radius_mm : float
+        Least radius of the curve about the axis.
     """
 
     curve: FlankCurve
     least_radius_mm: float
-    largest_radius_mm: float
 
 
 def build_cam(
@@ -166,12 +165,12 @@ def cam_profile(spec: Cam, key: str, *, folder: Path) -> CamProfile:
     # the radius, unlike the length of a full turn, is of the size of a flank
     curve = fit_flank_curve(pieces, tolerance_mm=FIT_TOLERANCE * float(radius.max()))
     radii = np.hypot(*curve.point(np.linspace(0.0, curve.length_mm, 8 * len(curve.labels) + 1)).T)
-    least, largest = float(radii.min()), float(radii.max())
+    least = float(radii.min())
     if 0.5 * spec.bore_diameter_mm > (1 - LEAST_WALL) * least:
         expected = f"at most {1 - LEAST_WALL:g} of twice the least radius of the profile: "
         expected += f"{2 * (1 - LEAST_WALL) * least:.4f}"
         refuse(f"{key}.bore_diameter_mm", expected, f"{spec.bore_diameter_mm:g}")
-    return CamProfile(curve, least, largest)
+    return CamProfile(curve, least)
 
 
 def _one_turn(rows: Floats, key: str) -> tuple[Floats, Floats]:

@@ -128,7 +128,7 @@ def flank_compliance(
     moved = {name: response.by_force[:, k] for k, name in enumerate(load_vectors)}
     expansion = _expansion(job, body_load, moved)
     job.log.end_step("near field")
-    miss, of_roots = _fe_errors(job, options, response)
+    miss, of_roots = _fe_errors(job, options)
     if miss is not None and options.extent.regions:
         miss = miss + _degree_error(job, options, found, sectors)
     root = None if found.root is None else replace(found.root, difference=of_roots)
@@ -219,7 +219,7 @@ def _compliance(job: Job, found: Response, options: JobOptions) -> BodyComplianc
     )
 
 
-def _fe_errors(job: Job, options: JobOptions, found: Response) -> tuple[Floats | None, float]:
+def _fe_errors(job: Job, options: JobOptions) -> tuple[Floats | None, float]:
     """`BodyCompliance.fe_error` and `RootResponse.difference`; None and 0 without an estimate.
 
     For a prism, they come from a job for one tooth of its section, in plane strain.

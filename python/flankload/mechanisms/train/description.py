@@ -36,8 +36,8 @@ def describe(scene: Scene) -> Description:
         f"{name}: {role}": rows_of_body(body, getattr(scene, name))
         for name, role, body in zip(assembly.names, roles, assembly.bodies, strict=True)
     }
-    for title, _, mesh in assembly.different_meshes:
-        rows[title] = list(describe_gears(mesh.gears))
+    for _, _, mesh in assembly.different_meshes:
+        rows[" and ".join(mesh.names)] = list(describe_gears(mesh.gears))
     rows["train"] = _rows_of_train(scene, assembly)
     broken = require_premises(scene, broken_by_geometry(assembly))
     return Description(rows, (*assembly.notes, *(one.note for one in broken)))
@@ -85,6 +85,6 @@ def data_sheet(scene: Scene) -> DataSheet:
     rows = [
         SheetRow(f"body 3: {row.name}", row.symbol, row.value) for three in third for row in three
     ]
-    for title, _, mesh in assembly.different_meshes:
-        rows += rows_of_mesh(mesh.gears, f"of {title}")
+    for _, _, mesh in assembly.different_meshes:
+        rows += rows_of_mesh(mesh.gears, f"of {' and '.join(mesh.names)}")
     return DataSheet(("gear", "gear"), (tuple(one), tuple(two)), tuple(rows))
