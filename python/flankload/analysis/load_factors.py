@@ -6,11 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flankload.result.slices import (
-    mean_line_loads,
-    relative_line_loads,
-    relative_mean_line_loads,
-)
+from flankload.result.slices import mean_line_loads, relative_line_loads, relative_mean_line_loads
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats

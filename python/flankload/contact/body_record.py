@@ -198,7 +198,7 @@ def _record_of_pair(contact: FlankContact, z: int) -> NDArray[np.float64]:
         compliance,
         angles_rad=angles,
         deviations_mm=deviations,
-        block=slices.site_blocks(block),
+        block=block.repeat(slices.count, axis=0).repeat(slices.count, axis=1),
         teeth=teeth,
         n_working=pairing.sites.size,
         slices=slices,

@@ -42,7 +42,9 @@ def conforming_height(mesh: GearMesh, compliances: Compliances) -> Floats:
     numbers += [*height.tilt, height.middle_z_mm]
     parts = [np.array(numbers), compliance.ravel()]
     if mesh.friction is not None:
-        parts.append(_tangential_compliance(mesh, compliances, spread).ravel(order="F"))
+        # recession of the slices by forces on both bodies towards their tips, mm/N
+        recession = -_summed(mesh, _fields(mesh, compliances), spread, along=True)
+        parts.append(recession.ravel(order="F"))
     return np.concatenate(parts)
 
 
@@ -90,12 +92,6 @@ def touches_over_height(mesh: GearMesh, compliances: Compliances, torque_Nmm: fl
     force = torque_Nmm / (pairing.fit.base_radius_mm * mesh.body_1.teeth)
     closed = (force + moved.sum()) / alike.sum()
     return bool((closed * alike - moved).min() >= 0.0)
-
-
-def _tangential_compliance(mesh: GearMesh, compliances: Compliances, spread: Floats) -> Floats:
-    """Recession (S J, S J) of the slices by forces on both bodies towards their tips, mm/N."""
-    fields = _fields(mesh, compliances)
-    return -_summed(mesh, fields, spread, along=True)
 
 
 def _fields(mesh: GearMesh, compliances: Compliances) -> tuple[StripField, StripField]:

@@ -143,9 +143,8 @@ def recovered_strains(nodes: Floats, cells: Cells, moved: Floats) -> Floats:
         outward = element.outward @ best.reshape(len(connectivity), -1, 3 * p)
         _add_at_nodes(total, connectivity, outward)
         count += np.bincount(connectivity.ravel(), minlength=len(nodes))
-    smoothed = total
-    smoothed /= np.maximum(count, 1.0)[:, None]
-    return smoothed
+    total /= np.maximum(count, 1.0)[:, None]
+    return total
 
 
 def _blocks(n_elements: int, n_loads: int) -> Iterator[slice]:

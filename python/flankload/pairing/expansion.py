@@ -126,7 +126,6 @@ def expanded_slices(
     slices: Slices, bodies: tuple[Body, Body], strains: tuple[float, float]
 ) -> Slices:
     """Slices after axial expansion of the helices of bodies of unchanged face widths."""
-
     one, two = (
         turns
         - shape.twist_rad_per_mm * (slices.z_mm - np.mean(shape.range_mm)) * strain / (1.0 + strain)

@@ -147,10 +147,6 @@ class Slices:
         entries = -sites if self.conforming is None else sites
         return np.asarray(-removed[entries % len(removed)])
 
-    def site_blocks(self, block: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Blocks (S * J, S * J) of a compliance for all slices from those of the sites (S, S)."""
-        return np.repeat(np.repeat(block, self.count, axis=0), self.count, axis=1)
-
 
 def plane_slice(face_width_mm: float) -> Slices:
     """The only slice of a plane mesh, the same for both bodies."""

@@ -73,12 +73,7 @@ def _figures(results: Sequence[Result]) -> Iterator[Figure]:
             _entry("face_load_factor", ".3f", error="face_load_factor"),
         ),
         ("the same by ISO 6336-1, for comparison", "K_Hβ", "", _entry("k_h_beta_iso", ".3f")),
-        (
-            "line load factor",
-            "",
-            "",
-            _entry("line_load_factor", ".3f", error="line_load_factor"),
-        ),
+        ("line load factor", "", "", _entry("line_load_factor", ".3f", error="line_load_factor")),
         ("axial position of the largest line load", "", "mm", _entry("peak_line_load_z_mm", ".2f")),
         ("axial force, largest", "F_x", "N", _entry("axial_force_N", ".1f")),
         ("tilting moment, largest", "", "N m", _entry("tilting_moment_Nm", ".3f")),

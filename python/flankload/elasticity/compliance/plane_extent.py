@@ -10,11 +10,7 @@ import numpy as np
 from flankload.elasticity.axial_basis import AxialBasis
 from flankload.elasticity.compliance.contributions import AxialModes, NearProducts, RootResponse
 from flankload.elasticity.finite_elements import plane_moduli, stiffness
-from flankload.elasticity.near_field import (
-    mode_products,
-    projected_near_field,
-    projected_sign,
-)
+from flankload.elasticity.near_field import mode_products, projected_near_field, projected_sign
 
 if TYPE_CHECKING:
     from flankload.base.arrays import Floats

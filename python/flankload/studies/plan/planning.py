@@ -11,6 +11,12 @@ from flankload.cost import totals
 from flankload.errors import FlankloadError
 from flankload.scene import scene_of
 from flankload.scene.effects import switches_of
+from flankload.studies.plan.choice import (
+    asks_for_choice,
+    chosen_scene,
+    wanted_sizes,
+    without_choice,
+)
 from flankload.studies.plan.coarse_runs import CoarseRuns
 from flankload.studies.plan.planned import ADAPTIVE_WITHIN, WITHIN, Plan, PlannedEffect
 from flankload.studies.plan.text import is_significant, remark_on
@@ -21,8 +27,8 @@ if TYPE_CHECKING:
 
     from flankload.cost import Account
     from flankload.scene import Scene, SceneLike
-    from flankload.studies.plan.coarse_runs import CoarseRuns, Measured
-from flankload.studies.plan.planned import Chosen
+    from flankload.studies.plan.coarse_runs import Measured
+    from flankload.studies.plan.planned import Chosen
 
 
 def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> Plan:
@@ -54,13 +60,6 @@ def plan(scene: SceneLike, *, levels: bool = False, dimension: bool = False) -> 
     FlankloadError
         If a position has no solution.
     """
-    from flankload.studies.plan.choice import (
-        asks_for_choice,
-        chosen_scene,
-        wanted_sizes,
-        without_choice,
-    )
-
     start, scene = process_time(), scene_of(scene)
     picked = {"keys": first_discretization(scene).tables()} if scene.names_tolerance else None
     plain = without_choice(first_scene(scene))
