@@ -218,10 +218,8 @@ def _pair_gears(
     )
     sites = path_sites(gears, body_1.teeth, body_2.teeth, position_rad, coast_flanks=coast_flanks)
     sites = _with_flanks(sites, body_1, body_2)
-    (teeth_1, angles_1), (teeth_2, angles_2) = (
-        at_sites(body_1, sites, 1),
-        at_sites(body_2, sites, -sense),
-    )
+    teeth_1, angles_1 = at_sites(body_1, sites, 1)
+    teeth_2, angles_2 = at_sites(body_2, sites, -sense)
     return Pairing(
         center_distance_mm=distance,
         turns_at_zero_rad=turns,
@@ -301,11 +299,8 @@ def path_sites(
     pitches = np.asarray(position_rad) * teeth_1 / (2 * pi)
     start, end, spare = -float(UNKNOWN_PATH_SITES), float(UNKNOWN_PATH_SITES), 0
     if gears is not None:
-        start, end = (
-            gears.path_start_mm / gears.base_pitch_mm,
-            gears.path_end_mm / gears.base_pitch_mm,
-        )
-        spare = 1
+        pitch = gears.base_pitch_mm
+        start, end, spare = gears.path_start_mm / pitch, gears.path_end_mm / pitch, 1
     first = round_down(start - pitches) - spare
     last = round_up(end - pitches) + spare + int(coast_flanks)
     # distances between positions may be several revolutions

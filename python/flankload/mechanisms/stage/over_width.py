@@ -26,6 +26,9 @@ def loads_over_width(
     scene: Scene, assembly: StageAssembly, contact: StageContact, found: MeshesSweep
 ) -> dict[str, Floats]:
     """Fields of `StageLoadsOverWidth` by name."""
+    assert scene.stage is not None
+    low, high = assembly.bodies[1].axial.range_mm
+    bearing_mm = scene.stage.pin_bearing_width_mm or high - low
     wrenches = wrenches_of(contact, found.meshes)
     sun, ring = wrenches[:, 0], wrenches[:, -1]
     planets, tilts = wrenches[:, 1:-1], PER_RAD * tilts_of(contact, wrenches)
@@ -42,19 +45,12 @@ def loads_over_width(
         "planet_axial_force_N": planets[..., 2],
         "planet_moment_Nm": in_newton_metres(planets[..., 3:5]),
         "pin_line_force_N_per_mm": _on_bearings(
-            found.resultants[:, 1:-1, :2], planets[..., 3:5], _bearing_width_mm(scene, assembly)
+            found.resultants[:, 1:-1, :2], planets[..., 3:5], bearing_mm
         ),
         "planet_tilt_urad": tilts[:, 1:-1],
         "sun_tilt_urad": tilts[:, 0],
         "ring_tilt_urad": tilts[:, -1],
     }
-
-
-def _bearing_width_mm(scene: Scene, assembly: StageAssembly) -> float:
-    """Length over which the bearing of a planet carries."""
-    assert scene.stage is not None
-    low, high = assembly.bodies[1].axial.range_mm
-    return scene.stage.pin_bearing_width_mm or high - low
 
 
 def _on_bearings(forces: Floats, moments: Floats, width_mm: float) -> Floats:

@@ -66,8 +66,7 @@ def _mode_loads(assembly: StageAssembly, planet: BodyCompliance, found: MeshesSw
     pairing, modes = assembly.pairing, planet.modes
     shape = (2, pairing.count, len(found.motions), pairing.teeth[1], planet.smooth.shape[1])
     loads = np.zeros(shape)
-    meshes = zip(pairing.meshes, found.meshes, assembly.slices, strict=True)
-    for mesh, sweep, slices in meshes:
+    for mesh, sweep, slices in zip(pairing.meshes, found.meshes, assembly.slices, strict=True):
         pairs, own = sweep.pairs, 0 if mesh.with_ring else 1
         values = mode_values_at(planet, slices, sweep, own)
         if assembly.is_plane:

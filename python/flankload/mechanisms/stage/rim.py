@@ -37,8 +37,7 @@ def motion_of_rim(
     if motion is None:
         return np.zeros((len(found.motions), teeth)), np.zeros((len(found.motions), 2))
     loads = np.zeros((len(found.motions), teeth, motion.radial.shape[1] // teeth))
-    meshes = zip(pairing.meshes, found.meshes, assembly.slices, strict=True)
-    for mesh, sweep, slices in meshes:
+    for mesh, sweep, slices in zip(pairing.meshes, found.meshes, assembly.slices, strict=True):
         if not mesh.with_ring:
             continue
         pairs = sweep.pairs
