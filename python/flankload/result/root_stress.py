@@ -10,7 +10,8 @@ decays towards the root. Friction along the flanks is expanded in the same way.
 
 Largest stresses are those of bending. Friction Q per width on a contact at the distance d from the
 end of the fillet adds 2 Q/(pi d) there (Flamant), which has no limit as the contact approaches.
-Stress that rises towards the flank from its last minimum along the fillet is of this kind.
+Stress that rises towards the flank from its last minimum along the fillet is of this kind, unless
+the rest of the fillet is compressed, as beside the teeth that carry.
 
 In three dimensions the modes are products P_a(s) P_b(z), the force of a slice is even over its
 width, and the stress is that across the root line of the tooth, which a helix turns, in the middle
@@ -373,13 +374,15 @@ def _over_slices(found: Extremes, sign: float, z_mm: Floats | None) -> Extremes:
 def _peak(s: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Maximum along the last axis and its place, from the parabola around the largest value.
 
-    Values that rise from their last minimum to the last place, beside the flank, do not count.
+    Values that rise from their last minimum to the last place, beside the flank, do not count if
+    one of the others is positive.
     """
     falls = np.diff(values, axis=-1) < 0
     beside = np.logical_and.accumulate(~falls[..., ::-1], axis=-1)[..., ::-1]
     beside &= falls.any(axis=-1, keepdims=True)
     own = values.copy()
     own[..., 1:][beside] = -np.inf
+    own = np.where(own.max(axis=-1, keepdims=True) > 0, own, values)
     at = own.argmax(axis=-1)
     middle = np.clip(at, 1, s.size - 2)
     three = middle[..., None] + [-1, 0, 1]

@@ -208,6 +208,12 @@ def test_stress_that_rises_towards_a_contact_is_not_the_largest() -> None:
     np.testing.assert_allclose(place, 1.5, rtol=0, atol=10 * ROUND_OFF)
 
 
+def test_a_fillet_compressed_by_other_teeth_has_its_largest_stress_beside_the_flank() -> None:
+    """Regression: it fell to the compression of the root, by half of the largest tension."""
+    peak, place = _peak(np.arange(5.0), np.array([-230.0, -235.0, -120.0, 0.0, 40.0]))
+    assert (peak, place) == (40.0, 4.0)
+
+
 def test_summary_names_the_largest_of_all_positions(with_stress: Result) -> None:
     for z in (0, 1):
         stress, found = with_stress.root_stress[z], with_stress.summary[f"root_stress_{z + 1}"]
