@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from flankload.cost import COUNTERS, Account
-from flankload.mechanisms.parameters import ELEMENTS_WORK, OF_ELEMENTS, STATES_WORK, relative
+from flankload.mechanisms.parameters import ELEMENTS_WORK, STATES_WORK, relative
 from flankload.mechanisms.registry import mechanism_of
 from flankload.mechanisms.stage_clock import elements_stage
 from flankload.scene.named_discretization import NamedDiscretization, with_discretization
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     Errors = dict[str, float]
     Table = dict[str, Errors]
 
-#: Largest number of runs: coarse, refined, and again with the elements of the refined one.
+#: Largest number of runs: coarse, refined, and refined by the estimate of the second one.
 MOST_RUNS = 3
 #: Target of a refinement, as part of the tolerance: orders of convergence are asymptotic.
 AIM = 0.9
@@ -152,17 +152,13 @@ def choose_discretization(
         positions, by_source["positions"] = finer_positions(
             positions, by_source["positions"], AIM * tolerance * equal_part(by_source)
         )
-    if len(attempts) > 1:  # elements are not solved a third time
-        steps = {n: ahead for n, ahead in parameters.steps.items() if n not in OF_ELEMENTS}
-        parameters = replace(parameters, steps=steps)
     refining = _Refining(parameters, last.choice.values, by_source, AIM * tolerance)
     values = refining.values(set(missed))
     choice = Choice(values, positions, refining.foreseen(values))
     if (values, positions) == (last.choice.values, last.choice.positions):
         return None
-    target = tolerance if len(attempts) == 1 else AIM * tolerance
-    meets = any(choice.foreseen[quantity] <= target for quantity in missed)
-    return choice if meets or (len(attempts) == 1 and values != last.choice.values) else None
+    meets = any(choice.foreseen[quantity] <= tolerance for quantity in missed)
+    return choice if meets or values != last.choice.values else None
 
 
 def equal_part(sources: Collection[str]) -> float:

@@ -20,7 +20,6 @@ from flankload.mechanisms.parameters import (
     ANYWHERE,
     ELEMENTS_WORK,
     LEAST_PART,
-    OF_ELEMENTS,
     Parameters,
     relative,
 )
@@ -503,14 +502,14 @@ def test_cheap_strips_are_refined_where_elements_take_too_long(met: fl.Result) -
     assert choice.values[STRIPS] > 2 * run.choice.values[STRIPS]
 
 
-def test_a_third_run_solves_no_elements_and_is_the_last(met: fl.Result) -> None:
+def test_a_third_run_is_refined_like_the_second_one_and_is_the_last(met: fl.Result) -> None:
     parameters, run = attempt({"strips": 0.02, "modes": 0.008}, met)
     first = choose_discretization(parameters, [run], 0.01)
     second = choose_discretization(parameters, [run, run], 0.01)
     assert first is not None
     assert second is not None
     assert first.values[MODES] > run.choice.values[MODES]
-    assert all(second.values.get(name) == run.choice.values.get(name) for name in OF_ELEMENTS)
+    assert second.values == first.values
     assert choose_discretization(parameters, [run] * MOST_RUNS, 0.01) is None
 
 
