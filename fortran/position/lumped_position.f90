@@ -229,10 +229,6 @@ contains
         real(wp) :: motion(size(loads))
 
         if (any(in_slice(position%zones))) then
-            if (any(is_level(position%zones))) then
-                call fatal_error(error, code_conforms)
-                return
-            end if
             call load_slices(bodies, meshes, full_forces(position, loads), position)
             call estimate_slices(position, loads, forces, motion, state, error)
         else

@@ -222,6 +222,22 @@ def test_conforming_flanks_have_no_place() -> None:
         swept("spline", "lumped")
 
 
+def test_flanks_that_would_conform_but_stay_open_are_no_obstacle() -> None:
+    """A chamfer that is parallel to its mate in one slice, where it does not touch."""
+    _, scene = spatial_scenes(44, seed=5512)[43]
+    coarse = {"axial_degree": 4, "load_degree_z": 0, "flank_element_mm": 1.0}
+    prepared = fl.prepare(
+        scene
+        | {
+            "positions": {"count": 64},
+            "accuracy": {"estimate": False, "tangents": False, **coarse},
+            "effects": {"dimension": 3, "contact": "lumped"},
+        }
+    )
+    lumped, cells = (prepared.solve({"effects.contact": one}) for one in ("lumped", "pairs"))
+    np.testing.assert_allclose(lumped.rotation_rad, cells.rotation_rad, rtol=5e-3)
+
+
 @pytest.mark.parametrize(
     ("number", "torque"),
     [(11, 1.0), (15, 1.0), (23, 1.0), (11, 0.967), (11, 0.979), (15, 1.015)],
