@@ -45,7 +45,7 @@ def test_forces_have_the_direction_of_the_modified_flank(shape: str) -> None:
     places = np.linspace(0.02, 0.98, 7)
     places = body.mode_range_mm[0] + places * np.ptp(body.mode_range_mm)
     own = mode_values(places, body.mode_range_mm, MODES)
-    elements = mode_values(places - shift_of(body), body.unmodified.mode_range_mm, MODES)
+    elements = mode_values(places, body.unmodified.mode_range_mm, MODES)
     before, behind = (elements @ smooth @ elements.T for smooth in (plain.smooth, expected))
     change = np.abs(behind - before).max(axis=(1, 2))
     apart = np.abs(own @ found.smooth @ own.T - behind).max(axis=(1, 2))
@@ -53,20 +53,13 @@ def test_forces_have_the_direction_of_the_modified_flank(shape: str) -> None:
     assert (apart <= SECOND_ORDER * change).all()
 
 
-def shift_of(body: Body) -> float:
-    """Arc length on the modified flank less that on the elements at a place without relief."""
-    below = np.mean(body.mode_range_mm) - 0.2 * np.ptp(body.mode_range_mm)
-    return below - body.unmodified.curve.arc_length_of(body.curve.point([below]))[0][0]
-
-
 def loaded_along_modified_normals(body: Body) -> np.ndarray:
     """`smooth` (z, p, p) of normal loads on the elements with the normals of the body."""
     mesh, (low, high) = body.elements.mesh, body.elements.mode_range_mm
-    shift = shift_of(body)
 
     def directed(along: Literal["normal", "tangent"]) -> np.ndarray:
         def values(s: np.ndarray) -> np.ndarray:
-            there = np.minimum(s + shift, body.mode_range_mm[1])
+            there = np.minimum(s, body.mode_range_mm[1])
             direction = getattr(body.elements.curve, along)(s)
             part = np.sum(body.curve.normal(there) * direction, axis=1)
             return part[:, None] * mode_values(s, (low, high), MODES)

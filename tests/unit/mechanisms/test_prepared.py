@@ -262,6 +262,7 @@ def with_modified_elements(scene: fl.Scene, monkeypatch: pytest.MonkeyPatch) -> 
     [
         {},
         {"body_1.tip_radius_mm": 0.4},
+        {"body_1.root_relief_um": 3.0, "body_1.root_relief_start_diameter_mm": 70.5},
         {"effects.root_stress": True},
         {"effects.near_field": "nodes", "accuracy.flank_element_mm": 0.3},
         {"effects.temperature_rise_K": 40.0, "effects.coast_flank": True},

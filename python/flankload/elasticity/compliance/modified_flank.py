@@ -41,31 +41,29 @@ POINTS = 18
 def on_modified_flank(found: BodyCompliance, body: Body) -> BodyCompliance:
     """The compliance of a body with a modified flank, from that of `body.elements`.
 
-    Its modes are those of the modified flank, at the same places. With tangential loads, forces
+    Its modes are those of the modified flank, at equal arc lengths. With tangential loads, forces
     have the direction of that flank.
     """
-    shift = _shift(body)
     if found.tangential is not None:
-        found = _turned(found, _products(found, body, shift))
+        found = _turned(found, _products(found, body))
     if found.modes.nodes is None:
-        return _in_modes_of(body, found, shift)
-    nodes = _nodes_across(body, found.modes.nodes, shift)
+        return _in_modes_of(body, found)
+    nodes = _nodes_across(body, found.modes.nodes)
     return replace(found, modes=replace(found.modes, range_mm=body.mode_range_mm, nodes=nodes))
 
 
-def _in_modes_of(body: Body, found: BodyCompliance, shift: float) -> BodyCompliance:
-    """The compliance in terms of the modes on the modified flank.
+def _in_modes_of(body: Body, found: BodyCompliance) -> BodyCompliance:
+    """The compliance in terms of the modes on the modified flank, at equal arc lengths.
 
-    Polynomials of the arc length are polynomials of another one that differs by a constant, on any
-    range. The modified flank is some hundredths of a millimetre longer, by which they are
-    extrapolated. The modes of a tip remain those of the tip.
+    Polynomials are polynomials on any range. The modified flank is some hundredths of a millimetre
+    longer, by which they are extrapolated. The modes of a tip remain those of the tip.
     """
     old, n, count = found.modes, found.flank_modes, found.modes_along
     span, tip = body.mode_range_mm, None if old.tip is None else body.tip
     points, weights = leggauss(n)
     half = 0.5 * (span[1] - span[0])
     s = span[0] + half * (1.0 + points)
-    before = mode_values(s - shift, old.range_mm, n)
+    before = mode_values(s, old.range_mm, n)
     matrix: Floats = np.eye(count)
     moments = mode_values(s, span, n).T @ (half * weights[:, None] * before)
     matrix[:n, :n] = to_coefficients(moments, span)
@@ -130,28 +128,28 @@ def _root(root: RootResponse, products: Floats) -> RootResponse:
     return root.with_each(turned)
 
 
-def _products(found: BodyCompliance, body: Body, shift: float) -> Floats:
+def _products(found: BodyCompliance, body: Body) -> Floats:
     """S (p, p) of the modes of a compliance; of nodes the angles at these."""
     modes, tip = found.modes, found.modes.tip
     if modes.nodes is not None:
-        return np.diag(_angle(body, modes.nodes, shift))
+        return np.diag(_angle(body, modes.nodes))
     low, end = modes.range_mm[0], modes.range_mm[1] if tip is None else tip.end_mm
-    kinks, high = _kinks(body) - shift, modes.range_mm[1]
+    kinks, high = _kinks(body), modes.range_mm[1]
     marks = np.unique([low, *kinks[(kinks > low) & (kinks < high)], high, end])
     points, weights = leggauss(POINTS)
     half = 0.5 * np.diff(marks)[:, None]
     s = (0.5 * (marks[:-1] + marks[1:])[:, None] + half * points).ravel()
     values = mode_values(s, modes.range_mm, found.modes_along, tip=tip)
-    measure = (half * weights).ravel() * _angle(body, s, shift)
+    measure = (half * weights).ravel() * _angle(body, s)
     products = to_coefficients(values.T @ (measure[:, None] * values), modes.range_mm, tip=tip)
     # the loads along a profile are 1/cos(beta_b) of those normal to it
     cosine = modes.axial.cos_base_helix
     return np.asarray(np.kron(cosine * products, np.eye(modes.axial.count)))
 
 
-def _angle(body: Body, s: Floats, shift: float) -> Floats:
+def _angle(body: Body, s: Floats) -> Floats:
     """Angle delta (n,), rad, at arc lengths on the flank of the elements."""
-    normal, tangent = body.curve.normal(_across(body, s, shift)), body.unmodified.curve.tangent(s)
+    normal, tangent = body.curve.normal(_across(body, s)), body.unmodified.curve.tangent(s)
     return np.asarray(np.sum(normal * tangent, axis=1))
 
 
@@ -161,11 +159,11 @@ def _kinks(body: Body) -> Floats:
     return np.array([breaks[k] for k in range(1, len(labels)) if labels[k] != labels[k - 1]])
 
 
-def _across(body: Body, s: Floats, shift: float) -> Floats:
+def _across(body: Body, s: Floats) -> Floats:
     """Arc lengths on the modified flank, for those on the flank of the elements."""
     high, first, end = body.unmodified.mode_range_mm[1], body.mode_range_mm[1], body.curve.length_mm
     on_tip = np.interp(s, [high, body.unmodified.curve.length_mm], [first, end])
-    return np.where(s > high, on_tip, np.minimum(s + shift, first))
+    return np.where(s > high, on_tip, np.minimum(s, first))
 
 
 def on_elements(body: Body, s: Floats) -> Floats:
@@ -174,23 +172,12 @@ def on_elements(body: Body, s: Floats) -> Floats:
         return s
     high, first, end = body.unmodified.mode_range_mm[1], body.mode_range_mm[1], body.curve.length_mm
     on_tip = np.interp(s, [first, end], [high, body.unmodified.curve.length_mm])
-    return np.where(s > first, on_tip, np.minimum(s - _shift(body), high))
+    return np.where(s > first, on_tip, np.minimum(s, high))
 
 
-def _nodes_across(body: Body, nodes: Floats, shift: float) -> Floats:
+def _nodes_across(body: Body, nodes: Floats) -> Floats:
     """Nodes (n,) on the modified flank; those at the ends of the flank remain there."""
-    found = _across(body, nodes, shift)
+    found = _across(body, nodes)
     for old, new in zip(body.unmodified.mode_range_mm, body.mode_range_mm, strict=True):
         found[np.abs(nodes - old).argmin()] = new
     return found
-
-
-def _shift(body: Body) -> float:
-    """Arc length on the modified flank less that on the flank of the elements, at its middle.
-
-    Modifications change the arc length between two points by a micrometre at most, but a relieved
-    flank meets the tip circle farther out.
-    """
-    middle = 0.5 * sum(body.mode_range_mm)
-    point, curve = body.curve.point(np.array([middle])), body.unmodified.curve
-    return middle - float(curve.arc_length_of(point)[0][0])
